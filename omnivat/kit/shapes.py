@@ -70,12 +70,17 @@ def floating(name: str, values: Any) -> Tensor:
     anything else.
     """
     if not isinstance(values, Tensor):
-        array = np.asarray(values)
+        try:
+            array = np.asarray(values)
+        except ValueError as error:
+            raise DataError(f"{name} has rows of several lengths; give rows of one.") from error
         if array.dtype.kind not in "fiub":
             raise DataError(f"{name} holds values of type {array.dtype}; give real numbers.")
         values = torch.from_numpy(array.astype("f8" if array.dtype.itemsize > 4 else "f4"))
     if values.is_complex():
         raise DataError(f"{name} has complex numbers; give their real part or their modulus.")
+    if values.layout != torch.strided or values.is_meta:
+        raise DataError(f"{name} is sparse or has no values; give a dense tensor.")
     found: Tensor = values if values.dtype in (torch.float32, torch.float64) else values.float()
     return found
 

@@ -143,9 +143,11 @@ def alone(picture: Array, *, dots: str = "fill") -> Lamps:
 
 def clean(picture: Array, dots: str) -> Array:
     """Return the picture (H, W, 3) uint8 without its dots; raises DataError for another array."""
-    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
+    shape = np.shape(picture) if isinstance(picture, np.ndarray) else ()
+    kind = picture.dtype if shape else type(picture).__name__
+    if len(shape) != 3 or shape[2] != 3 or kind != np.uint8:
         raise DataError(
-            f"A picture has shape {picture.shape} and type {picture.dtype}; pass (height, width, 3)"
+            f"A picture has shape {shape} and type {kind}; pass (height, width, 3)"
             " uint8, as numpy.asarray of an RGB image gives it."
         )
     if min(picture.shape[:2]) < SMALLEST:

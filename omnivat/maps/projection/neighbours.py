@@ -44,7 +44,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     points, queries = points - middle, queries - middle
     squares = points.square().sum(1)
     found = []
-    for start in range(0, len(queries), BLOCK):
+    for start in range(0, len(queries) or 1, BLOCK):
         checkpoint()
         rows = queries[start : start + BLOCK]
         nearness = torch.addmm(squares, rows, points.T, alpha=-2)

@@ -33,5 +33,6 @@ def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[
     >>> modality_gap(-touches, touches)
     tensor(2.)
     """
+    vis, tac = features(vis=vis, tac=tac)
     require_shapes(vis=(vis, "B D"), tac=(tac, "B D"))
-    return centroid_gap(*features(vis=vis, tac=tac))
+    return centroid_gap(vis, tac)

@@ -77,6 +77,8 @@ def test_pictures_without_one_gels_lamps_are_refused_with_the_reason(pictures, r
     [
         (np.zeros((90, 90), np.uint8), r"shape \(90, 90\) and type uint8; pass \(height"),
         (np.zeros((90, 90, 3)), "type float64"),
+        (None, "type NoneType"),
+        ([[1, 2], [3]], "type list"),
         (np.zeros((40, 90, 3), np.uint8), "90 × 40 pixels; its relief needs 64 × 64 or more"),
     ],
 )

@@ -86,6 +86,18 @@ def test_a_bad_number_is_named_and_other_kinds_are_taken_or_refused_in_a_sentenc
         doors[name](array.astype("u2") if name != "UMAP" else array.astype("f2"))
 
 
+@pytest.mark.parametrize("name", NAMES[:9])
+def test_what_holds_no_rows_of_numbers_is_refused_in_a_sentence(doors, name):
+    for odd in (None, 3.0, {"a": 1}, [[1.0, 2.0], [3.0]], ROWS.to_sparse(), ROWS.to("meta")):
+        with pytest.raises(OmniVatError, match=r"\.$"):
+            doors[name](odd)
+
+
+def test_no_query_has_no_neighbours():
+    found = nearest(ROWS, 3, queries=ROWS[:0])
+    assert found.index.shape == found.distance.shape == (0, 3)
+
+
 def test_rows_keep_their_values_gradient_and_precision():
     (rows,) = features(rows=ROWS.half())
     assert rows.dtype == torch.float32 and torch.equal(rows, ROWS.half().float())
