@@ -12,7 +12,7 @@ from benchmarks._fuzz import MOST_MB, fuzz, limited, seeds_of, table_of
 from benchmarks._fuzz_readers import READERS, Reader
 from omnivat.kit.errors import DataError
 
-CASES = 20  # of each reader
+CASES = 6  # of each reader
 GOOD = b"good"
 
 
@@ -129,7 +129,7 @@ def test_a_damaged_file_gives_a_value_or_one_sentence_within_the_limits(name, pr
 
 @pytest.mark.parametrize("name", PLANTED)
 def test_each_kind_of_harm_is_found_and_held_cases_are_none(name, process):
-    found = fuzz(name, 1, lambda cases: cases < 3, process, f"{__name__}:PLANTED")
+    found = fuzz(name, 1, lambda cases: cases < 1, process, f"{__name__}:PLANTED")
     assert all(name in kind for kind in found.findings)
     assert bool(found.findings) == (name != "held")
-    assert table_of({name: found}).splitlines()[2].startswith(f"| {name} | 3 |")
+    assert table_of({name: found}).splitlines()[2].startswith(f"| {name} | 1 |")

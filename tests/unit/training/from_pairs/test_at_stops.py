@@ -24,7 +24,7 @@ ORDERS = (0.0, 0.5, 1.0)
 @pytest.fixture(scope="module")
 def plan(make_embeddings):
     return plan_training(
-        make_embeddings(), "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=2)
+        make_embeddings(), "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=1)
     )
 
 
@@ -53,7 +53,7 @@ def test_every_head_is_the_one_that_training_at_its_order_gives(plan, folder):
 def test_heads_that_are_there_are_not_trained_again(plan, folder):
     assert heads_at_stops(plan, ORDERS, folder, seeds=(0, 1)) == 0
     longer = plan_training(
-        plan.embeddings, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=1)
+        plan.embeddings, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=2)
     )
     assert heads_at_stops(longer, (0.0,), folder, seeds=(7,)) == 1  # other settings, other heads
 
