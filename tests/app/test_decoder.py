@@ -5,7 +5,7 @@ import subprocess
 import sys
 import tracemalloc
 import zlib
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -20,22 +20,28 @@ from omnivat.kit.errors import DataError
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def decoder():
-    decoder = Decoder()
-    yield decoder
-    decoder.close()
+    with closing(Decoder()) as found:
+        yield found
+
+
+@pytest.fixture
+def unused():
+    """A decoder that has no process yet."""
+    with closing(Decoder()) as found:
+        yield found
 
 
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF"])
-@pytest.mark.parametrize("as_file", [False, True])
-def test_a_picture_has_the_pixels_that_the_library_reads(decoder, kind, as_file, tmp_path):
+def test_a_picture_has_the_pixels_that_the_library_reads(decoder, kind, tmp_path):
     random = np.random.default_rng(0)
     content = encoded(Image.fromarray(random.integers(0, 255, (60, 90, 3), dtype=np.uint8)), kind)
     (tmp_path / "a").write_bytes(content)
-    found = decoder.read(tmp_path / "a" if as_file else content, "a")
-    assert (found.width, found.height) == (90, 60)
-    assert np.array_equal(np.asarray(found.image), np.asarray(read_image(content)))
+    for given in (content, tmp_path / "a"):
+        found = decoder.read(given, "a")
+        assert (found.width, found.height) == (90, 60)
+        assert np.array_equal(np.asarray(found.image), np.asarray(read_image(content)))
 
 
 def test_a_large_photo_says_the_size_that_it_had_and_lies_upright(decoder):
@@ -116,37 +122,37 @@ def standing_in(code):
     return made, started
 
 
-def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(decoder, monkeypatch):
+def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(unused, monkeypatch):
     made, started = standing_in("import time; time.sleep(600)")
     content = encoded(Image.new("L", (99, 99)), "WEBP")
     with monkeypatch.context() as patched:
-        patched.setattr(decoder._limited, "started", made)
-        patched.setattr(decoder._limited, "wait", 0.3)
+        patched.setattr(unused._limited, "started", made)
+        patched.setattr(unused._limited, "wait", 0.3)
         with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
-            decoder.read(content, "slow")
+            unused.read(content, "slow")
         assert started[0].poll() is not None
-    assert decoder.read(content, "good").image.size == (99, 99)
+    assert unused.read(content, "good").image.size == (99, 99)
 
 
-def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatch):
+def test_a_process_that_dies_while_it_sends_gives_a_sentence(unused, monkeypatch):
     made, _ = standing_in("input(); print('{\"size\": 29403, \"value\": {}}'); print('x' * 50)")
-    monkeypatch.setattr(decoder._limited, "started", made)
+    monkeypatch.setattr(unused._limited, "started", made)
     with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
-        decoder.read(encoded(Image.new("L", (99, 99)), "WEBP"), "slow")
+        unused.read(encoded(Image.new("L", (99, 99)), "WEBP"), "slow")
 
 
 def test_one_process_reads_one_picture_after_another_and_keeps_no_memory_of_a_large_one(
-    decoder, monkeypatch
+    unused, monkeypatch
 ):
-    started, first = [], decoder._limited.started
-    monkeypatch.setattr(decoder._limited, "started", lambda: started.append(first()) or started[-1])
+    started, first = [], unused._limited.started
+    monkeypatch.setattr(unused._limited, "started", lambda: started.append(first()) or started[-1])
     small, large = (
         encoded(Image.new("L", (99, 99)), "PNG"),
         encoded(Image.new("RGB", (2000, 2000)), "JPEG"),
     )
     for content in (small, b"no image", small, large, small):
         with suppress(DataError):
-            decoder.read(content, "a")
+            unused.read(content, "a")
     assert len(started) == 1 and started[0].poll() is None
     status = Path(f"/proc/{started[0].pid}/status")
     if status.exists():

@@ -28,7 +28,7 @@ def test_examples_stay_below_58_mb_and_other_binaries_below_8():
     assert sizes[True] < 58e6 and sizes[False] < 8e6
 
 
-LOCAL = re.compile(rb"(?<![\w.])/(?:work|root|home/\w+)/")
+LOCAL = re.compile(rb"/(?<![\w.]/)(?:work|root|home/\w+)/")
 
 
 def test_no_committed_file_names_a_path_of_one_machine():

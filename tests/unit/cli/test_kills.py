@@ -117,6 +117,7 @@ def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
     place, code = killed[command]
     assert code == -signal.SIGKILL
     standing = {p: p.read_bytes() for p in shown(place)}
+    assert standing or command not in ("embed", "chirps"), "the next run uses what is there"
     monkeypatch.setattr(files, "UNFINISHED_S", -1)  # what the dead left need not grow old
     assert (
         main(arguments(command, names | {"out": place}), commands={**cli.COMMANDS, **DRAWING}) == 0

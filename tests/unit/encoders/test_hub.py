@@ -22,8 +22,6 @@ print(hub.fetch(sys.argv[1], megabytes=599, download=sys.argv[2]))
 @pytest.mark.parametrize(
     ("download", "variables", "sentence"),
     [
-        ("ask", {}, "Add --download to fetch openai/clip-vit-base-patch16 (599 MB)"),
-        ("no", {}, "Downloads are off"),
         ("yes", {"HF_HUB_OFFLINE": "1"}, "Downloads are off"),
         ("yes", {"HF_ENDPOINT": "http://127.0.0.1:9"}, ":9 cannot be reached ("),
         (
@@ -46,6 +44,19 @@ def test_what_hinders_a_download_is_one_sentence(tmp_path, download, variables, 
     )
     assert done.returncode == 0, done.stderr
     assert sentence in done.stdout and done.stdout.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("download", "sentence"),
+    [
+        ("ask", "Add --download to fetch openai/clip-vit-base-patch16 (599 MB)"),
+        ("no", "Downloads are off"),
+    ],
+)
+def test_without_consent_one_sentence_says_how_to_give_it(download, sentence, monkeypatch):
+    monkeypatch.setattr(huggingface_hub, "try_to_load_from_cache", lambda *_: None)
+    said = hub.fetch(REPOSITORY, megabytes=599, download=download)
+    assert sentence in said and "\n" not in said
 
 
 @pytest.fixture

@@ -37,10 +37,9 @@ tables = st.lists(st.lists(cells, max_size=9), max_size=6).map(
     lambda rows: "\n".join(",".join(row) for row in rows).encode()
 )
 contents = st.one_of(st.binary(max_size=40), tables)
+words = st.text(st.sampled_from("a1, \n\0é\U0001f600"), max_size=3)
 values = st.recursive(
-    st.one_of(
-        st.none(), st.booleans(), st.integers(-1, 101), st.text(max_size=3), st.just(float("nan"))
-    ),
+    st.one_of(st.none(), st.booleans(), st.integers(-1, 101), words, st.just(float("nan"))),
     lambda inner: st.one_of(
         st.lists(inner, max_size=3),
         st.dictionaries(st.sampled_from(["1", "101", "a", "train", ""]), inner, max_size=3),

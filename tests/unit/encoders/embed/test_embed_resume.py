@@ -1,7 +1,4 @@
-"""Interrupted and killed runs resume from their finished parts."""
-
-import subprocess
-import sys
+"""Interrupted runs resume from their finished parts."""
 
 import numpy as np
 import pytest
@@ -80,43 +77,3 @@ def test_parts_of_changed_images_or_settings_or_damaged_ones_are_made_again(tmp_
     with pytest.raises(StopError):
         embed(pairs, out, on_step=stop_after(9))
     assert embed(pairs, out, flips=False).resumed == 0
-
-
-KILLED = """
-import os, sys
-from pathlib import Path
-from omnivat.encoders.embed import job
-job.CHUNK = 4
-from omnivat.data.pairs import Pair, PairSet
-from omnivat.encoders.embed import embed_pairs
-
-files = sorted(Path(sys.argv[1]).glob("*/*/*_vis.png"))
-pairs = [
-    Pair(vis=f, tac=f.with_name(f.name.replace("_vis", "_tac")), domain="TAG", material="wood")
-    for f in files
-]
-
-def on_step(step):
-    if step.done == int(sys.argv[3]):
-        os.kill(os.getpid(), 9)
-
-pairs = PairSet(pairs=tuple(pairs))
-report = embed_pairs(pairs, "efficientnet-lite0", sys.argv[2], on_step=on_step)
-print(report.resumed)
-"""
-
-
-@pytest.mark.slow
-def test_a_process_that_is_killed_leaves_parts_that_the_next_one_uses(tmp_path):
-    """With the real encoder, in processes of their own."""
-    make_pairs(tmp_path / "pairs", 9)
-    out = tmp_path / "set.safetensors"
-
-    def run(stop):
-        command = [sys.executable, "-c", KILLED, str(tmp_path / "pairs"), str(out), str(stop)]
-        return subprocess.run(command, capture_output=True, text=True, check=False)
-
-    assert run(6).returncode == -9
-    assert not out.exists()
-    assert run(99).stdout.strip() == "4"
-    assert len(load_embeddings(out)) == 9
