@@ -42,8 +42,9 @@ class Lane:
     job; the server's own work has no visitor and waits for none. Then smaller priorities go first;
     among equals, paused jobs, then the oldest. A lane of several slots has short requests. So that
     a rush of uploads does not hold up drags, a job of priority 0 has one more slot while all others
-    run jobs of larger priorities. So that drags do not hold up an upload for ever, it has
-    priority 0 in the queue once it is LONGEST_WAIT_S old.
+    run jobs of larger priorities, and so has any job while all others run those of another visitor.
+    So that drags do not hold up an upload for ever, it has priority 0 in the queue once it is
+    LONGEST_WAIT_S old.
     """
 
     def __init__(self, slots: int, threads: ThreadPoolExecutor) -> None:
@@ -71,7 +72,9 @@ class Lane:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         for job in self.in_order():
             first = job.priority <= 0 < min((one.priority for one in self.running), default=0)
-            more = self._slots > 1 and first
+            visitors = {one.visitor for one in self.running}
+            guest = len(visitors) == 1 and job.visitor not in visitors
+            more = self._slots > 1 and (first or guest)
             if len(self.running) >= self._slots + more:
                 continue
             self.waiting.remove(job)

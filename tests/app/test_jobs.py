@@ -254,6 +254,23 @@ def test_uploads_take_every_slot_and_a_drag_takes_one_more(jobs):
     assert second.future.result(60) == "drag"
 
 
+@pytest.mark.parametrize("priority", [0, 1])
+def test_frames_of_one_visitor_in_every_slot_do_not_hold_up_another(jobs, priority):
+    go, here = Event(), Barrier(3)
+
+    def frame(job):
+        here.wait(60)
+        go.wait(60)
+
+    frames = [jobs.start(frame, lane="quick", visitor="many") for _ in range(3)]
+    here.wait(60)
+    own = jobs.start(lambda job: "own", lane="quick", visitor="few", priority=priority)
+    assert own.future.result(60) == "own"
+    assert [one.state for one in frames] == ["running", "running", "waiting"]
+    here.abort()
+    go.set()
+
+
 @pytest.mark.parametrize(("longest", "place"), [(60.0, 2), (0.0, 1)])
 def test_an_upload_that_has_waited_long_comes_before_newer_drags(jobs, monkeypatch, longest, place):
     monkeypatch.setattr("app.jobs.LONGEST_WAIT_S", longest)
