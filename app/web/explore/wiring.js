@@ -14,7 +14,7 @@ import { addressOf } from "./panels.js";
 import { $, change, percent, scene, send, state } from "./root.js";
 import { loadFile, saveAs, share, showLink } from "./saving.js";
 import { showSteps } from "./staircase.js";
-import { chooseCell, chooseStranger } from "./strangers.js";
+import { chooseCell, chooseStranger, show as showStrangers } from "./strangers.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
@@ -115,6 +115,7 @@ export function wire() {
     $().addEventListener(kind, (/** @type {{target: Found}} */ { target }) => {
       for (const [selector, act] of Object.entries(acts)) if (target.matches(selector)) act(target);
     });
+  addEventListener("resize", () => scene.chapter === "fooled" && showStrangers()); // its pictures share the width
   document.addEventListener("keydown", (event) => {
     const { target, key } = event;
     const typing = /** @type {HTMLElement} */ (target).closest?.("input:not([type=range]), select, textarea");
