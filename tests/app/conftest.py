@@ -36,10 +36,13 @@ def small_places(head_folder, tmp_path_factory, paint):
 @pytest.fixture(scope="session")
 def framed(small_places, tmp_path_factory):
     """Return the small places with their frames, computed once."""
+    from app import frames_job
     from app.export import frames_file
 
     found = replace(small_places, computed=tmp_path_factory.mktemp("frames"))
-    return replace(found, frames=frames_file(found))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(frames_job, "STOPS", (0.0, 0.5, 1.0))
+        return replace(found, frames=frames_file(found))
 
 
 def until(condition):

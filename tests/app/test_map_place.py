@@ -72,8 +72,8 @@ def test_a_pair_is_sent_with_its_place_tree_and_readings_at_every_stop(with_fram
     np.testing.assert_allclose(got["maps"]["umap"]["places"]["vis"], own, atol=1e-4)
     assert got["orders"] == tuple(frames.orders[stop] for stop in got["stops"])
     assert got["maps"]["pca"]["exact"] and not got["maps"]["umap"]["exact"]
-    assert np.shape(got["maps"]["pca"]["nodes"]) == (21, 7, 2)
-    assert np.shape(got["tree"]["probabilities"]) == (21, 7, 5)
+    assert np.shape(got["maps"]["pca"]["nodes"]) == (4, 7, 2)
+    assert np.shape(got["tree"]["probabilities"]) == (4, 7, 5)
     assert got["tree"]["parents"] == [-1, 0, 0, 1, 1, 2, 2] and got["own"] is None
     row = torch.from_numpy(with_frames.embeddings().vis[7:8].copy())
     alone = journey(with_frames, {"vis": "row:7"})

@@ -120,7 +120,7 @@ def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, mon
     def broken(_):
         raise DataError("The set has no map.")
 
-    monkeypatch.setitem(site.FACTS, "toy", broken)
+    monkeypatch.setattr(site, "FACTS", {**site.FACTS, "toy": broken})
     export_site(framed, tmp_path / "site", sets=(), models=False)
     assert held(tmp_path / "site")["refused"] == {f"{OWN}/toy": "The set has no map."}
 
