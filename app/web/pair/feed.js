@@ -39,11 +39,11 @@ const MENUS = {
 export const feedHtml = (
   name,
 ) => html`<div class="feed" data-modality="${name}"><h4>${signed(name, TERMS[name].title)}</h4>
-  <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>${" "}
-  ${Object.entries(MENUS).map(
+  <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>
+  <div class="row">${Object.entries(MENUS).map(
     ([menu, [title, all]]) => html`<label>${title} <select class="${menu}">
     ${options(all)}</select></label>`,
-  )}
+  )}</div>
   <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}">
   ${status("", "state")}</div>`;
 
