@@ -1,5 +1,6 @@
 """Bring a data set of the model hub, whose client resumes and checks by itself."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ REASONS = (  # kinds of the client's errors, the special ones first
     ("RepositoryNotFoundError", "there is none of that name, or it is private: check the name"),
     ("RevisionNotFoundError", "it has no such revision: check what follows the @"),
 )
+COMMIT = re.compile("[0-9a-f]{12,64}")
 NETWORK = "check the name and the network"
 
 
@@ -62,4 +64,9 @@ def hub_folder(text: str) -> Path:
         raise DataError(f"'{text}' is no data set of the model hub; write it as hf:OWNER/NAME.")
     with _explained(name) as hub:
         commit = hub.HfApi().repo_info(name, repo_type="dataset", revision=revision or None).sha
+    if not isinstance(commit, str) or not COMMIT.fullmatch(commit):  # it names a folder
+        raise DataError(
+            f"The model hub states no commit of '{name}' but {commit!r:.40}; {NETWORK}, and run the"
+            " command again."
+        )
     return from_hub(name, commit, cache_folder() / "hub" / owner / commit[:12] / short)

@@ -22,6 +22,7 @@ class Hub(BaseHTTPRequestHandler):
     """The replies of the hub that a download of a data set needs."""
 
     commits: ClassVar[dict[str, Path]] = {}  # revision -> folder
+    stated: ClassVar[dict[str, object]] = {}  # of a commit, in place of the true facts
     down = ""  # a part of the paths that fail
 
     def log_message(self, *_):
@@ -48,7 +49,9 @@ class Hub(BaseHTTPRequestHandler):
         self.commits[commit] = folder
         files = sorted(p for p in folder.rglob("*") if p.is_file())
         if kind == "revision":
-            return self._sent(200, json.dumps({"id": "lab/press", "sha": commit}).encode())
+            return self._sent(
+                200, json.dumps({"id": "lab/press", "sha": commit, **self.stated}).encode()
+            )
         if kind == "tree":
             rows = [
                 {
@@ -124,6 +127,18 @@ def test_a_set_that_does_not_arrive_is_one_sentence(served, tmp_path, capsys, na
     assert brought(name, tmp_path / "out") == 1
     told = capsys.readouterr().err
     assert words in told and "Traceback" not in told and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("commit", [None, 5, "", "../../../../x"])
+def test_a_commit_that_is_none_is_one_sentence_and_names_no_folder(
+    served, tmp_path, capsys, monkeypatch, commit
+):
+    monkeypatch.setattr(Hub, "stated", {"sha": commit})
+    before = sorted(tmp_path.rglob("*"))
+    assert brought("hf:lab/press", tmp_path / "out") == 1
+    told = capsys.readouterr().err
+    assert "states no commit" in told and told.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_what_arrived_in_part_is_not_taken_for_the_whole(served, tmp_path, capsys, monkeypatch):
