@@ -77,7 +77,7 @@ def test_a_pair_is_sent_with_its_place_tree_and_readings_at_every_stop(with_fram
     assert got["tree"]["parents"] == [-1, 0, 0, 1, 1, 2, 2] and got["own"] is None
     row = torch.from_numpy(with_frames.embeddings().vis[7:8].copy())
     alone = journey(with_frames, {"vis": "row:7"})
-    for at in (0, 10, 20):
+    for at in (0, 2, 3):
         wanted = with_frames.head().model(row, None, order=got["orders"][at]).probabilities
         np.testing.assert_allclose(alone["readings"]["fused"][at], wanted[0], atol=1e-4)
 
