@@ -152,7 +152,7 @@ def maps():
         rows = np.concatenate([embeddings.rows_of(name, split="train") for name in domains])
         raw = {n: torch.from_numpy(getattr(embeddings, n)[rows]) for n in ("vis", "tac")}
         classes = len(embeddings.header.classes)
-        found = fit_maps(raw, torch.from_numpy(embeddings.label[rows]), classes)
+        found = fit_maps(raw, torch.from_numpy(embeddings.label[rows]), classes, steps=30)
         reader = of_maps(found, embeddings.header, source=domains[0])
         return replace(reader, learned=fitted)
 

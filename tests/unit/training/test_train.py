@@ -108,7 +108,7 @@ def test_orders_are_drawn_for_each_pair_from_a_little_more_than_a_quarter_turn(s
 @pytest.mark.slow
 def test_a_head_of_drawn_orders_keeps_its_own_order_and_predicts_at_others(source):
     drawn, fixed = (
-        learned(source, epochs=60, order_draw=draw, lang=False).model for draw in (True, False)
+        learned(source, epochs=30, order_draw=draw, lang=False).model for draw in (True, False)
     )
     assert drawn.order == 0.5
     right = [accuracy(model, source, order=0.1) for model in (drawn, fixed)]
