@@ -237,19 +237,12 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
 
 
 def test_uploads_take_every_slot_and_a_drag_takes_one_more(jobs):
-    go, here = Event(), Barrier(3)
-
-    def upload(job):
-        here.wait(60)
-        go.wait(60)
-
-    uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
-    drag = jobs.start(upload, lane="quick")  # the barrier needs it beside two uploads
-    second = jobs.start(lambda job: "drag", lane="quick")
-    until(lambda: not here.n_waiting and drag.state == "running")
-    assert [one.state for one in uploads] == ["running", "running", "waiting"]
-    assert second.state == "waiting" and second.place == 1
-    here.abort()
+    go = Event()
+    uploads = [jobs.start(lambda _: go.wait(60), lane="quick", priority=1) for _ in range(3)]
+    drag = jobs.start(lambda _: go.wait(60), lane="quick")
+    second = jobs.start(lambda _: "drag", lane="quick")
+    until(lambda: [one.state for one in (*uploads[:2], drag)] == ["running"] * 3)
+    assert (uploads[2].state, second.state, second.place) == ("waiting", "waiting", 1)
     go.set()
     assert second.future.result(60) == "drag"
 
