@@ -14,6 +14,8 @@ from urllib.request import urlopen
 
 import pytest
 
+from app import resources
+from app.places import find_examples
 from omnivat.cli import main
 from omnivat.head import linear_maps
 from omnivat.study import trial
@@ -35,6 +37,10 @@ LIGHTER = {  # an option that leaves out what costs minutes, or waits for a pers
 }
 
 
+def few_examples(place):
+    return dict([*find_examples(place).items()][::12])
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A clone with the pairs of two domains; the first has the ten that a comparison learns."""
@@ -45,6 +51,7 @@ def folder(tmp_path, monkeypatch):
         (pairs / name).symlink_to(ROOT / "examples" / "pairs" / name)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(resources, "find_examples", few_examples)
     monkeypatch.setattr(trial, "EPOCHS", 1)
     monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 10)
     return tmp_path
