@@ -124,8 +124,3 @@ def test_a_teacher_of_a_long_training_learns_for_120_epochs(source, teachers):
 def test_teachers_without_drawn_orders_are_refused():
     with pytest.raises(SettingsError, match="order_draw"):
         TrainSettings(order_teachers=1)
-
-
-def test_a_share_of_pairs_above_all_of_them_is_refused():
-    with pytest.raises(SettingsError, match="lang_drop is 1.5; choose 0 to 1"):
-        TrainSettings(lang_drop=1.5)

@@ -28,6 +28,7 @@ from omnivat.kit.errors import (
     SettingsError,
     WriteError,
 )
+from omnivat.study import trial
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="needs Git")
 NAME, COUNT = "digit-parts", 6
@@ -416,6 +417,7 @@ def test_trying_a_set_by_name_fetches_it_first(server, tmp_path, monkeypatch, ca
     table = {NAME: replace(fetching.fetched_sets()[NAME], source=str(server))}
     monkeypatch.setattr(fetching, "fetched_sets", lambda: table)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(trial, "EPOCHS", 1)
     assert main(["try", NAME, "--no-page"]) == 0
     assert f"{COUNT} pairs, 1 domain(s): DIGIT" in capsys.readouterr().out
     assert (tmp_path / NAME / "TERMS.txt").is_file() and (
