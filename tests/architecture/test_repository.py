@@ -19,13 +19,13 @@ def tracked():
     return [path for name in done.stdout.splitlines() if (path := ROOT / name).is_file()]
 
 
-def test_examples_stay_below_58_mb_and_other_binaries_below_8():
+def test_examples_stay_below_59_mb_and_other_binaries_below_8():
     examples = ROOT / "examples"
     sizes = {True: 0, False: 0}
     for path in tracked():
         if path.is_relative_to(examples) or path.suffix not in TEXT:
             sizes[path.is_relative_to(examples)] += path.stat().st_size
-    assert sizes[True] < 58e6 and sizes[False] < 8e6
+    assert sizes[True] < 59e6 and sizes[False] < 8e6
 
 
 LOCAL = re.compile(rb"/(?<![\w.]/)(?:work|root|home/\w+)/")
