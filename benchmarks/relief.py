@@ -2,10 +2,10 @@
 
     python -m benchmarks.relief FOLDER [--seeds 0] [--out examples/relief]
 
-FOLDER is what `python -m simulator set --touches` drew. Lamps are knowledge of a target like a profile: those of
-a source come from 50 of its training pairs, those of a target from the 5 or 20 training pairs that
-a seed knows without labels, or from its 5 labelled pairs of each class. With nothing known, each
-touch is read by its own lamps. Written are
+FOLDER is what `python -m simulator set --touches` drew. Lamps are knowledge of a target like a
+profile: those of a source come from 50 of its training pairs, those of a target from the 5 or 20
+training pairs that a seed knows without labels, or from its 5 labelled pairs of each class. With
+nothing known, each touch is read by its own lamps. Written are
 
     source.npz       every touch by the lamps of its domain as a source, and mirrored copies
     alone.npz        every touch by its own lamps
