@@ -17,7 +17,7 @@ from app.api_schema import TOOLS, document
 from app.limits import MAX_API_BYTES, REPORT_S
 from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
-from app.pair_input import asked
+from app.pair_input import pair_request
 from app.requests import done, question_from, received
 from app.resources import Resources
 from app.state import Question, Reply, one_of, order_from
@@ -57,7 +57,7 @@ def predict(resources: Resources, arguments: Question) -> Reply:
     from omnivat.head.predict import predict_embeddings
 
     images = {name: _image(resources, arguments.get(name), name) for name in IMAGES}
-    named = asked(resources, {**arguments, **images})
+    named = pair_request(resources, {**arguments, **images})
     found = predict_embeddings(named.head, *named.pair.values(), order=named.order)[0]
     found.pop("profile")
     return {

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from app.mend import mend_in
-from app.pair_input import OTHER, Asked, pair_of, rounded
+from app.pair_input import OTHER, PairRequest, pair_of, rounded
 from app.resources import Resources
 from app.state import Question, Reply
 
@@ -51,7 +51,7 @@ def familiar(resources: Resources, question: Question) -> Reply:
     return {"images": images, "of": of}
 
 
-def looked_at(named: Asked) -> dict[str, Reply]:
+def looked_at(named: PairRequest) -> dict[str, Reply]:
     """Return modality -> cosine, quantile, words and guess of a request's images before any
     profile.
 
@@ -66,14 +66,14 @@ def looked_at(named: Asked) -> dict[str, Reply]:
     return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in looks.items()}
 
 
-def predict_one(named: Asked) -> Reply:
+def predict_one(named: PairRequest) -> Reply:
     """Return `readings`, the class probabilities, and `images`, the familiarity, of a request's
     pair.
     """
     return {"readings": readings_of(named), "images": looked_at(named)}
 
 
-def readings_of(named: Asked) -> dict[str, list[float]]:
+def readings_of(named: PairRequest) -> dict[str, list[float]]:
     """Return reading -> the class probabilities of a request's pair."""
     import torch
 

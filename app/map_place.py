@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.familiar import looked_at, predict_one
 from app.modes import mode_files
-from app.pair_input import asked, rounded
+from app.pair_input import pair_request, rounded
 from app.resources import Resources, state_of
 from app.state import Lazy, Question, Reply, one_of
 from omnivat.head.heads import OWN
@@ -49,7 +49,7 @@ def journey(resources: Resources, question: Question) -> Reply:
     from omnivat.maps.journey import journey
 
     question = {**question, "head": question.get("head") or ""}
-    named = asked(resources, question)
+    named = pair_request(resources, question)
     head, file = _reader(resources, question)
     _, stops = _maps(resources, head, file)
     with one_thread():  # a second one waits more than it works
@@ -61,7 +61,7 @@ def journey(resources: Resources, question: Question) -> Reply:
     nodes = found.node_lengths.shape[-1]
     refs = [str(ref) for name in IMAGES if (ref := question.get(name))]
     by_own = OWN in resources.heads and all(ref.startswith("image:") for ref in refs)
-    own = asked(resources, {**question, "head": OWN}) if by_own else None
+    own = pair_request(resources, {**question, "head": OWN}) if by_own else None
     by_maps = own and {"classes": list(own.head.settings.classes), **predict_one(own)}
     return {
         "orders": found.orders,

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import asked, rounded
+from app.pair_input import pair_request, rounded
 from app.resources import Resources
 from app.state import Question, Reply
 from omnivat.kit.errors import DataError
@@ -28,7 +28,7 @@ def tree(resources: Resources, question: Question) -> Reply:
 
     from omnivat.maps.nodes import tree_facts
 
-    named = asked(resources, question)
+    named = pair_request(resources, question)
     head, pair = named.head, named.pair
     order = head.model.order if named.order is None else named.order
     with torch.inference_mode():

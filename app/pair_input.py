@@ -29,8 +29,8 @@ LONGEST_LABEL = 40  # letters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """A request's pair, and what reads it."""
+class PairRequest:
+    """The pair that a request names, and the head that reads it."""
 
     before: Pair  # (B, input_width) by modality as they come; None for a missing image
     pair: Pair  # the same, a visitor's images moved by the request's profile
@@ -39,9 +39,9 @@ class Asked:
     known: "Familiarity | None"  # what its pictures are compared with
 
 
-def asked(
+def pair_request(
     resources: Resources, question: Question, rows: "Mapping[str, Tensor]" = MappingProxyType({})
-) -> Asked:
+) -> PairRequest:
     """Return what a request names.
 
     question  {"vis", "tac": references; "order": p; "profile", "head": names; "mend": how own
@@ -54,7 +54,7 @@ def asked(
     order = order_from(question.get("order"))
     _, before, pair = pair_of(resources, question, rows)
     head, known = reader_of(resources, question)
-    return Asked(before=before, pair=pair, order=order, head=head, known=known)
+    return PairRequest(before=before, pair=pair, order=order, head=head, known=known)
 
 
 def within(question: Question, pair: Question) -> Question:

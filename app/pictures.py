@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from app.familiar import predict_one
 from app.mend import mend_in, mended
-from app.pair_input import OTHER, asked, rounded
+from app.pair_input import OTHER, pair_request, rounded
 from app.resources import Resources
 from app.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
@@ -67,7 +67,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
     """Predict one picture, or a photo and a touch.
 
     question  {"modality": "vis", "tac" or "both"; "split": bytes of the photo before those of the
-              touch, for both}; and see `asked`
+              touch, for both}; and see `pair_request`
     return    classes, probabilities of each reading, `images`: modality -> whether the prediction
               is a `guess`, and milliseconds of encoder and head
 
@@ -86,7 +86,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
         began = perf_counter()
         rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
-    named = asked(resources, question, rows)
+    named = pair_request(resources, question, rows)
     found = predict_one(named)
     ms = {"encoder": embedded - began, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
@@ -109,7 +109,8 @@ def _parts(content: Content, question: Question) -> dict[str, Content]:
 def occlusion(resources: Resources, content: Content, question: Question) -> Reply:
     """Hide each part of an image in turn, predict again, and measure the change of the probability.
 
-    question  {"modality": "vis" or "tac", "other": reference of the other image}; and see `asked`
+    question  {"modality": "vis" or "tac", "other": reference of the other image}; and see
+              `pair_request`
     return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of the
               probability when a part is hidden; negative for an increase
 
@@ -134,7 +135,7 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
             checkpoint()
             parts.append(encoder.embed(few))
     beside = {**question, OTHER[modality]: question.get("other")}
-    named = asked(resources, beside, {modality: torch.cat(parts)})
+    named = pair_request(resources, beside, {modality: torch.cat(parts)})
     with torch.inference_mode():
         out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
         predicted = int(out.probabilities[0].argmax())

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.familiar import looked_at, predict_one, readings_of
 from app.messages import without_places
-from app.pair_input import asked, rounded, within
+from app.pair_input import pair_request, rounded, within
 from app.resources import Resources
 from app.state import ForgottenError, Question, Reply
 from omnivat.data.domains import is_simulated
@@ -52,7 +52,7 @@ def predicted(resources: Resources, question: Question) -> Reply:
 
     from omnivat.kit.threads import one_thread
 
-    named = asked(resources, question)
+    named = pair_request(resources, question)
     head = named.head
     exact = head.model.order if named.order is None else named.order
     with torch.inference_mode(), one_thread():  # a second one waits more than it works
@@ -88,7 +88,7 @@ def many(resources: Resources, question: Question) -> Reply:
         raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
     if not 0 < len(given) <= MOST_AT_ONCE:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
-    pairs = [asked(resources, within(question, one)) for one in given]
+    pairs = [pair_request(resources, within(question, one)) for one in given]
     found = [predict_one(named) for named in pairs]
     return {"classes": list(pairs[0].head.settings.classes), "pairs": found}
 
@@ -105,7 +105,7 @@ def rivals(resources: Resources, question: Question) -> dict[str, Reply]:
 
     def read(name: str) -> Reply:
         try:
-            named = asked(resources, {**question, "head": name})
+            named = pair_request(resources, {**question, "head": name})
         except ForgottenError:
             raise
         except DataError as error:
@@ -154,7 +154,7 @@ def attention(resources: Resources, question: Question) -> Reply:
     """
     import torch
 
-    named = asked(resources, question)
+    named = pair_request(resources, question)
     head = named.head
     if not head.settings.mffa:
         raise DataError("This head has no MFFA, so there is no attention to show.")

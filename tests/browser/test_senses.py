@@ -64,6 +64,7 @@ def test_the_document_has_the_name_of_what_is_open(visit):
 
 
 def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(visit):
+    chapter(visit, "analyse")
     visit.focus(MARKS)
     visit.keyboard.press("n")
     assert re.fullmatch(
@@ -82,6 +83,7 @@ def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(vi
 
 
 def test_a_lasso_leaves_a_short_address(visit):
+    chapter(visit, "analyse")
     visit.focus(MARKS)
     for _ in range(6):
         visit.keyboard.press("+")
