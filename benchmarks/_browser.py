@@ -110,8 +110,8 @@ def summed(rounds: Sequence[Mapping[str, float]]) -> dict[str, dict[str, float]]
     }
 
 
-def resident_mb(pid: int) -> float:
-    """Return the resident memory of a process, in MB."""
+def resident_mb(pid: int, name: str = "VmRSS") -> float:
+    """Return the resident memory of a process, in MB; the most that it had by "VmHWM"."""
     status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
-    line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+    line = next(line for line in status.splitlines() if line.startswith(name))
     return int(line.split()[1]) / 1024

@@ -11,7 +11,6 @@ import argparse
 import time
 from collections.abc import Sequence
 from io import BytesIO
-from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -23,12 +22,6 @@ from benchmarks._browser import chromium, opened, resident_mb, started
 CHAPTERS = ("touch", "gaps", "where", "order", "fooled", "analyse")
 WITH_P = ("gaps", "order", "analyse")
 REST_S = 60  # the server gives memory back a moment after its work
-
-
-def peak_mb(pid: int) -> float:
-    """Return the largest resident memory of a process so far, in MB."""
-    status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
-    return int(next(x for x in status.splitlines() if x.startswith("VmHWM")).split()[1]) / 1024
 
 
 def picture(random: Random) -> dict[str, Any]:
@@ -117,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 tell(f"training {rounds // 2}")
         time.sleep(REST_S)
         tell("left")
-        print(f"peak {peak_mb(pid):.0f} MB")
+        print(f"peak {resident_mb(pid, 'VmHWM'):.0f} MB")
 
 
 if __name__ == "__main__":

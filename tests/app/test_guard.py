@@ -122,7 +122,8 @@ def test_what_the_page_does_not_use_is_not_there(path):
 
 def test_an_event_of_gradios_components_is_small_or_is_refused():
     sent = client()
-    assert sent.post("/gradio_api/run/predict", content=b"x" * 10_000).status_code == 404
+    unread = sent.post("/gradio_api/run/predict", content=b"x" * 10_000)
+    assert unread.status_code == 404 and "reload the page" in unread.json()["error"]
     for content in (b"x" * 10_001, iter([b"x"])):  # one without a stated length
         assert sent.post("/gradio_api/run/predict", content=content).status_code == 413
 

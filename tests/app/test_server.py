@@ -12,6 +12,15 @@ from app.server import LINES
 
 ROOT = Path(__file__).resolve().parents[2]
 
+
+def interpreter(code, *arguments):
+    """Run code in a fresh interpreter beside the page's sources; return what it printed."""
+    command = [sys.executable, "-c", code, *arguments]
+    return subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=600, check=False
+    )
+
+
 FIRST_PAGE = """
 import os, sys, urllib.request
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
@@ -46,14 +55,8 @@ assert component_meta.create_or_modify_pyi.__name__ == "<lambda>"
 
 @pytest.mark.slow
 def test_the_first_page_loads_no_heavy_package_a_head_no_algebra_and_gradio_finds_its_tables():
-    done = subprocess.run(
-        [sys.executable, "-c", FIRST_PAGE],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=True,
-    )
+    done = interpreter(FIRST_PAGE)
+    assert done.returncode == 0, done.stderr
     loaded = [one for one in done.stdout.splitlines() if one.startswith("LOADED")]
     assert loaded == ["LOADED", "LOADED torch"]
 
@@ -99,14 +102,7 @@ page.close()
 
 @pytest.mark.slow
 def test_an_event_that_gradio_cannot_read_is_refused_in_a_sentence_and_fills_no_log():
-    done = subprocess.run(
-        [sys.executable, "-c", EVENTS],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    done = interpreter(EVENTS)
     assert "REFUSED True" in done.stdout, done.stderr[-3000:]
     assert 0 < done.stderr.count("Value: 'x'") <= 2 * LINES  # two minutes at most
 
@@ -125,14 +121,7 @@ runpy.run_path("app.py", run_name="__main__")
 
 
 def test_a_page_that_is_stopped_while_it_loads_ends_in_a_sentence():
-    done = subprocess.run(
-        [sys.executable, "-c", STOPPED],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    done = interpreter(STOPPED)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
 
 
@@ -170,14 +159,7 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
     with socket.socket() as probe:  # other tests may take the first free port at the same time
         probe.bind(("127.0.0.1", 0))
         port = str(probe.getsockname()[1])
-    done = subprocess.run(
-        [sys.executable, "-c", WINDOW, port],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    done = interpreter(WINDOW, port)
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]
     assert said == ["SEEN OmniVaT 200", "STARTED"]

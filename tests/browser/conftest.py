@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -56,7 +57,7 @@ def pytest_runtest_makereport(item, call):
     report = yield
     if report.when == "call" and report.failed:
         for page in OPEN:
-            if not page.is_closed():
+            with suppress(Exception):  # of a page that is closed or has crashed
                 shown = [page.evaluate(SHOWN), "without a reply:", *page.unanswered]
                 report.sections.append(("page", "\n".join(shown)))
     return report
