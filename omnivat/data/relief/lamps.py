@@ -73,7 +73,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     dots  "fill": printed dots are filled first; "keep": they were filled, or there are none
 
     Raises NoLampsError for fewer than 3 pictures, for grey or faint ones, photographs, pictures of
-    several sensors, and pictures that disagree.
+    several sensors, and pictures that disagree; DataError for what is no picture.
 
     >>> rng = np.random.default_rng(0)
     >>> lit = np.array([[30, 0], [-15, 26], [-15, -26]])  # red, green, blue
@@ -86,6 +86,8 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     >>> bool(abs((found * lit).sum()) > 0.99 * np.linalg.norm(found) * np.linalg.norm(lit))
     True
     """
+    if not isinstance(pictures, Iterable) or getattr(pictures, "ndim", 0) == 3:
+        pictures = [pictures]  # a single one, or none at all
     small = [reduced(clean(picture, dots), REDUCED) for picture in pictures]
     if len(small) < FEWEST:
         there = "is 1" if len(small) == 1 else f"are {len(small) or 'none'}"

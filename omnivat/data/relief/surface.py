@@ -19,7 +19,8 @@ def slopes(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
     the pictures that gave the lamps. Relief broader than a fifth of the picture is lost with the
     slow light.
 
-    Raises DataError if the lamps have a background of another aspect ratio.
+    Raises DataError for another array or other lamps, and if the lamps have a background of another
+    aspect ratio.
 
     >>> from omnivat import EXAMPLES, lamps
     >>> from omnivat.data.images import read_image
@@ -30,6 +31,11 @@ def slopes(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
     ((224, 224, 2), True)
     """
     light = clean(picture, dots).astype(np.float32)
+    if not isinstance(lamps, Lamps):
+        raise DataError(
+            f"The lamps have type {type(lamps).__name__}; pass what `lamps` returns for three"
+            " pictures of the sensor or more."
+        )
     height, width = light.shape[:2]
     if lamps.background is not None:
         down, across = lamps.background.shape[:2]
@@ -62,13 +68,13 @@ def heights(
     >>> found.shape, float(np.median(found))
     ((224, 224), 0.0)
     """
+    found = integrated(slopes(picture, lamps, dots=dots))
     if pixel is not None and lamps.steepness is None:
         raise DataError(
             "Heights in mm need one known height beside the pixel's size; call with_known_height"
             " first."
         )
     unit = 1.0 if pixel is None else pixel * (lamps.steepness or 1.0)
-    found = integrated(slopes(picture, lamps, dots=dots))
     return np.asarray((found - np.median(found)) * np.float32(unit))
 
 

@@ -87,6 +87,25 @@ def test_an_array_that_is_no_picture_is_refused(picture, reason):
         lamps([picture] * 3)
 
 
+@pytest.mark.parametrize(
+    ("read", "reason"),
+    [
+        (lambda: lamps(None), "type NoneType; pass"),
+        (lambda: lamps(touches(1, 1)[0]), "there is 1; add 2"),
+        (lambda: heights(touches(1, 1)[0], None), "lamps have type NoneType; pass what"),
+    ],
+)
+def test_what_are_no_pictures_or_no_lamps_is_refused(read, reason):
+    with pytest.raises(DataError, match=reason):
+        read()
+
+
+def test_a_picture_of_displacements_gives_slopes_as_its_skin_moves_sideways_along_them():
+    files = (EXAMPLES / "pairs" / "TQ-T3D-sim").glob("*/*_tac.jpg")
+    found = lamps(np.asarray(read_image(file)) for file in files)
+    assert found.ratio < 0.4 and cosine(found.colours, np.eye(3, 2) * [-1, 1]) > 0.9
+
+
 def test_heights_are_in_millimetres_by_one_known_height():
     y, x = np.mgrid[:224, :224] - 112.0
     ball = np.sqrt(np.maximum(20.0**2 - x**2 - y**2, 0)) * 0.4
