@@ -107,7 +107,7 @@ def earlier(runs: Sequence[Run]) -> str:
         for run in runs
     )
     return (
-        '<section class="ov train"><div class="panel earlier"><h3>Trained in this visit</h3>'
+        '<section class="ov train"><div class="panel earlier"><h2>Trained in this visit</h2>'
         f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
         '<p class="hint">Each over the same pairs as above.</p>'
         f'<p class="difference">{_compared(runs)}</p></div></section>'

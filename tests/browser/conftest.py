@@ -231,6 +231,9 @@ def new_page(chromium, desktop, address):
         if size:
             options["viewport"] = dict(zip(("width", "height"), size, strict=True))
         page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
+        if not pages:  # what another journey left, such as its trainings, is forgotten
+            kept = {"origin": address.rstrip("/"), "storageTypes": "local_storage"}
+            page.context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
         pages.append(watched(page, address, problems))
         return page
 

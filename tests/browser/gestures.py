@@ -97,10 +97,26 @@ def pull(page, box, share, steps=8):
 
 def open_tab(page, view):
     """Open a tab of the page at any width."""
-    page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
+    button = f"#view-{view}-button"
+    page.wait_for_selector(button, state="attached")  # Explore is there before Gradio's tabs are
+    page.eval_on_selector(button, "button => button.click()")
     page.wait_for_selector(f".ov.{view}:visible")
 
 
 def p_shown(page):
     """Return the p that Explore shows, in figures."""
     return page.inner_text(".explore .order-value")
+
+
+def faults(page, options=None):
+    """Return the axe audit's findings for the page as it is now."""
+    from axe_playwright_python.base import AXE_SCRIPT
+
+    if not page.evaluate("'axe' in window"):
+        page.evaluate(AXE_SCRIPT)
+    found = page.evaluate("options => axe.run(document, options)", options or {})
+    return [
+        f"{fault['id']}: {fault['help']}: {node['target']}"
+        for fault in found["violations"]
+        for node in fault["nodes"]
+    ]

@@ -14,7 +14,7 @@ from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import ROOT, Server, watched
-from .gestures import pixels, settle, texture
+from .gestures import open_tab, pixels, settle, texture
 
 pytestmark = pytest.mark.browser
 PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
@@ -136,7 +136,7 @@ def test_a_colour_of_a_column_paints_the_map_names_its_values_and_is_saved(page,
 
 
 def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(page, rows):
-    page.evaluate("document.getElementById('view-pair-button').click()")
+    open_tab(page, "pair")
     page.wait_for_selector(".pair .slots input[type=file]", state="attached")
     page.set_input_files(".pair .slots input[type=file] >> nth=0", texture(1))
     page.click(".pair .reader-switch")  # the rungs are those of the head of the chapters

@@ -9,7 +9,7 @@ from PIL import Image
 from omnivat.head.heads import EXAMPLES
 
 from .first_view import LOOK
-from .gestures import TOUCH, WHERE, grab, pixels, pull, settle
+from .gestures import TOUCH, WHERE, faults, grab, pixels, pull, settle
 
 pytestmark = pytest.mark.browser
 SAID = ".explore .twin .said"
@@ -193,20 +193,13 @@ def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_t
 def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
     new_page, address, chapter, theme
 ):
-    from axe_playwright_python.base import AXE_SCRIPT
-
     size = {"width": 1280, "height": 720}
     page = new_page(viewport=size, color_scheme=theme)
     page.add_init_script("localStorage['omnivat-panels'] = '{}'")  # as on a first visit
     page.goto(f"{address}?chapter={chapter}", wait_until="commit")
     page.wait_for_selector(FIRST[chapter])
-    page.evaluate(AXE_SCRIPT)
     seen = page.evaluate(LOOK)
-    found = page.evaluate(
-        "axe.run('.ov.explore').then(({ violations }) => violations.map(({ id, nodes }) => [id,"
-        " nodes[0].html]))"
-    )
-    assert found == []
+    assert faults(page) == []
     assert seen["words"] <= 150
     assert seen["smallest"] >= 14
     assert seen["map"] >= 0.4

@@ -7,7 +7,7 @@ import pytest
 from omnivat.data.store import save_embeddings
 
 from .conftest import Server, watched
-from .gestures import MAP, train
+from .gestures import MAP, open_tab, train
 
 pytestmark = pytest.mark.browser
 
@@ -80,7 +80,7 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(op
         )
         assert empty_panels(page) == []
     assert not page.is_visible(".explore .second")
-    page.evaluate("document.getElementById('view-pair-button').click()")
+    open_tab(page, "pair")
     page.wait_for_selector(".ov.pair .headless pre")
     page.close()
 

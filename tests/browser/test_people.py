@@ -5,7 +5,7 @@ import pytest
 from app.views import VIEWS
 
 from .conftest import watched
-from .gestures import ANSWERED, MAP, READY, open_tab, pixels, settle
+from .gestures import ANSWERED, MAP, READY, faults, open_tab, pixels, settle
 
 pytestmark = pytest.mark.browser
 
@@ -13,24 +13,10 @@ PAIR = "?vis=row:0&tac=row:0&pin=3"
 COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light and dark
 
 
-def faults(page, options=None):
-    """Return the axe audit's findings for the current page."""
-    found = page.evaluate("options => axe.run(document, options)", options or {})
-    return [
-        f"{fault['id']}: {fault['help']}: {node['target']}"
-        for fault in found["violations"]
-        for node in fault["nodes"]
-    ]
-
-
 @pytest.fixture
 def audited(open_page):
-    """Return the open page with the audit's script in it."""
-    from axe_playwright_python.base import AXE_SCRIPT
-
-    page = open_page(f"{PAIR}&chapter=analyse", MAP)
-    page.evaluate(AXE_SCRIPT)
-    return page
+    """Return the open page."""
+    return open_page(f"{PAIR}&chapter=analyse", MAP)
 
 
 def test_an_audit_finds_nothing_wrong_with_any_tab(audited):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from .gestures import MAP, READY, pixels, settle, train
+from .gestures import MAP, READY, faults, pixels, settle, train
 
 pytestmark = pytest.mark.browser
 
@@ -136,6 +136,7 @@ def test_a_head_is_trained_used_and_saved_and_a_wrong_setting_is_refused(open_pa
     assert page.locator("#train-charts .subplot").count() == 6
     page.wait_for_selector("#train-map .js-plotly-plot")
     page.wait_for_selector("#view-train .earlier td")
+    assert faults(page) == []
     with page.expect_download() as saved:
         page.click("#view-train .save")
     assert saved.value.path().read_bytes()[:2] == b"PK"
