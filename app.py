@@ -4,7 +4,7 @@ import sys
 
 if __name__ == "__main__":
     try:
-        from app.server import main
+        from app.serving.server import main
 
         sys.exit(main())
     except KeyboardInterrupt:  # before the server took over

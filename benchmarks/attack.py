@@ -68,7 +68,7 @@ def judged(response: Any, seconds: float) -> str:
 
 def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Counts]:
     """Send `count` hostile inputs of each kind; return the results."""
-    from app.routes import QUESTIONS
+    from app.serving.routes import QUESTIONS
 
     kinds = ("images", "touches", "questions", "api", "heads", "sets", "profiles", "callers")
     found = {name: Counts() for name in kinds}
@@ -182,11 +182,11 @@ def main(arguments: list[str] | None = None) -> int:
     from starlette.middleware import Middleware
     from starlette.testclient import TestClient
 
-    from app.guard import Guard, rules
-    from app.places import places
-    from app.resources import Resources
-    from app.routes import routes
-    from app.visitor_sets import VisitorSets
+    from app.serving.guard import Guard, rules
+    from app.serving.routes import routes
+    from app.shared.places import places
+    from app.shared.resources import Resources
+    from app.shared.visitor_sets import VisitorSets
     from omnivat.kit.files import write_json
 
     resources = Resources(places())

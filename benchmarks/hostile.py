@@ -25,7 +25,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from app.guard import EVENTS
+from app.serving.guard import EVENTS
 from benchmarks._browser import resident_mb, started
 from benchmarks._machine import machine
 from benchmarks.quick import Visitor, picture, small_training

@@ -25,7 +25,7 @@ from urllib.request import urlopen
 import numpy as np
 from PIL import Image
 
-from app.guard import EVENTS
+from app.serving.guard import EVENTS
 from app.train.plan import NUMBERS
 from benchmarks._attack_costly import encoded
 from benchmarks._browser import resident_mb, started, summed

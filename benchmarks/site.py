@@ -27,11 +27,11 @@ import numpy as np
 import torch
 from PIL import Image
 
-from app.components import WEB
-from app.decoder import Decoder
-from app.places import places
-from app.resources import Resources
-from app.site_models import write_models
+from app.shared.components import WEB
+from app.shared.decoder import Decoder
+from app.shared.places import places
+from app.shared.resources import Resources
+from app.site.models import write_models
 from benchmarks._attack_costly import encoded
 from benchmarks._browser import chromium
 from omnivat.encoders.base import for_modality

@@ -64,8 +64,8 @@ def explore(
     """
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")
-    from app.export import export_page, frames_file
-    from app.places import places
+    from app.shared.places import places
+    from app.site.export import export_page, frames_file
 
     with TemporaryDirectory(prefix="omnivat-notebook-") as temporary:
         place = Path(temporary)

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from app.resources import Resources
-from app.state import Question, one_of
+from app.shared.resources import Resources
+from app.shared.state import Question, one_of
 from omnivat.data.domains import DOMAINS, SIMULATED_SUFFIX
 from omnivat.kit.errors import DataError
 

@@ -7,13 +7,13 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from app.jobs import Job
-from app.messages import BusyError
-from app.nodes import thinned
-from app.resources import Resources
-from app.state import VISITOR, ForgottenError, Question, Recent, Reply
+from app.shared.jobs import Job
+from app.shared.messages import BusyError
+from app.shared.pair_input import thinned
+from app.shared.resources import Resources
+from app.shared.state import VISITOR, ForgottenError, Question, Recent, Reply
+from app.shared.visitor_sets import VisitorSets
 from app.train.plan import in_words, plan_from
-from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import CHECK, Step
 

@@ -10,14 +10,14 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from app.about import fit
-from app.requests import done
-from app.resources import Resources
-from app.state import ForgottenError, Recent
+from app.shared.fit import fit
+from app.shared.requests import done
+from app.shared.resources import Resources
+from app.shared.state import ForgottenError, Recent
+from app.shared.visitor_sets import VisitorSets
 from app.train import words
 from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered, titled
 from app.train.runs import KEPT_RUNS, Run, Trainings
-from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError, OmniVatError
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from omnivat.figures.specs import Spec
 
+TITLE = "Train here"
 LOOK_S = 1.0  # between two looks at a run
 WIDE = (700, 1100)  # CSS pixels of a page whose charts have two columns, or three
 KEPT = "omnivat-trainings"  # the browser's record: {"visitor": a name, "runs": names of its runs}
@@ -227,3 +228,6 @@ def _kept(record: Any) -> tuple[str, list[str]]:
     visitor, runs = found.get("visitor"), found.get("runs")
     names = [one for one in runs if isinstance(one, str)] if isinstance(runs, list) else []
     return visitor if isinstance(visitor, str) else "", names
+
+
+build = TrainTab

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from app.messages import readable
-from app.tables import tables
+from app.shared.messages import readable
+from app.shared.tables import tables
 from app.train.runs import Run
 
 MEASURED = {"accuracy/unseen": "accuracy, unseen", "modality_gap/f_hat": "modality gap"}
@@ -78,7 +78,7 @@ def before(*, fits: bool) -> str:
 
 
 def unfit(problem: str, remedy: Mapping[str, str]) -> str:
-    """Return why nothing can be trained on a set, and a remedy as `app.about.fit` has it."""
+    """Return why nothing can be trained on a set, and a remedy as `app.shared.fit` has it."""
     more = (
         f'<div class="panel headless"><p>{escape(remedy["remedy"])}</p><pre tabindex="0">'
         f"{escape(remedy['command'])}</pre></div>"

@@ -44,8 +44,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Find or make the frames, then write."""
     if options.site:
-        from app.places import places
-        from app.site import export_site
+        from app.shared.places import places
+        from app.site.folder import export_site
 
         where = places(options.head, options.embeddings)
         if options.frames:
@@ -72,8 +72,8 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out.name}'; for the {options.what} it ends in"
             f" {' or '.join(wanted)}."
         )
-    from app.export import export_page, export_picture, frames_file
-    from app.places import places
+    from app.shared.places import places
+    from app.site.export import export_page, export_picture, frames_file
 
     where = places(options.head, options.embeddings)
     with progress_bar("export") as show:

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from omnivat.study.shift import Features
 
 SUMMARY = "summary.txt"
-PAGE = "from app.server import main; raise SystemExit(main())"
+PAGE = "from app.serving.server import main; raise SystemExit(main())"
 
 
 def add(parser: argparse.ArgumentParser) -> None:

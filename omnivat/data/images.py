@@ -14,7 +14,7 @@ The same picture gives the same pixels from any file format:
 
 Pillow reads the header first; too many pixels are refused then. A file made to cost memory or time
 gets both here: the page reads visitors' files in a process that has little of either
-(`app/decoder.py`).
+(`app/shared/decoder.py`).
 """
 
 import warnings

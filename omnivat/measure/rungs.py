@@ -1,7 +1,7 @@
 """What may be known of a new sensor, as rows: the rungs of the ladder.
 
 A row is all that there is to a rung: what is known, in words and numbers, and where the page shows
-it. The page receives the rows (`app/tables.py`), and no script names one of them.
+it. The page receives the rows (`app/shared/tables.py`), and no script names one of them.
 """
 
 from collections.abc import Callable

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.places import find_examples
+from app.shared.places import find_examples
 from omnivat.data.domains import DOMAINS, simulated
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.places import Places
-from app.resources import Resources
+from app.shared.places import Places
+from app.shared.resources import Resources
 
 LESSONS = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
@@ -36,8 +36,8 @@ def small_places(head_folder, tmp_path_factory, paint):
 @pytest.fixture(scope="session")
 def framed(small_places, tmp_path_factory):
     """Return the small places with their frames, computed once."""
-    from app import frames_job
-    from app.export import frames_file
+    from app.shared import frames_job
+    from app.site.export import frames_file
 
     found = replace(small_places, computed=tmp_path_factory.mktemp("frames"))
     with pytest.MonkeyPatch.context() as patch:
@@ -105,8 +105,8 @@ def served(resources, *, api=False, **more):
     from starlette.applications import Starlette
     from starlette.testclient import TestClient
 
-    from app.routes import routes
-    from app.visitor_sets import VisitorSets
+    from app.serving.routes import routes
+    from app.shared.visitor_sets import VisitorSets
 
     return TestClient(Starlette(routes=routes(VisitorSets(resources), api=api)), **more)
 

@@ -5,9 +5,9 @@ import base64
 import numpy as np
 import pytest
 
-from app import about
-from app.pictures import live
-from app.views import pair
+from app.pair import tab as pair
+from app.pair.pictures import live
+from app.serving import about
 
 
 def test_attention_adds_up_to_one_for_each_token_that_asks(resources):

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from app.api import WORK
-from app.api_schema import TOOLS, document
-from app.limits import MAX_API_BYTES
+from app.serving.api import WORK
+from app.serving.api_schema import TOOLS, document
+from app.shared.limits import MAX_API_BYTES
 
 from .conftest import served
 

@@ -13,8 +13,8 @@ from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from app import connections
-from app.connections import OPEN, Connection, Turns
+from app.shared import connections
+from app.shared.connections import OPEN, Connection, Turns
 
 FREE = Event()
 HEAD = b"GET /short HTTP/1.1\r\nHost: x\r\n"

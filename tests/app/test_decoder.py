@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.decoder import Decoder
+from app.shared.decoder import Decoder
 from benchmarks._attack_costly import chunk, encoded
 from omnivat.data.images import read_image
 from omnivat.kit.errors import DataError
@@ -163,7 +163,14 @@ def test_one_process_reads_one_picture_after_another_and_keeps_no_memory_of_a_la
 
 def test_the_process_ends_by_itself_when_the_server_is_gone():
     process = subprocess.Popen(
-        [sys.executable, "-m", "omnivat.kit.limited", "app.decoder:decoded", "220000000", "3"],
+        [
+            sys.executable,
+            "-m",
+            "omnivat.kit.limited",
+            "app.shared.decoder:decoded",
+            "220000000",
+            "3",
+        ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         cwd=ROOT,

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.resources import Resources
+from app.shared.resources import Resources
 
 from .conftest import served
 

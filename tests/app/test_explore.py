@@ -5,7 +5,7 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
-from app.views.explore import known, nearest, neighbours
+from app.explore.tab import known, nearest, neighbours
 
 from .conftest import served
 

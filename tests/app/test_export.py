@@ -6,8 +6,8 @@ import re
 import pytest
 from PIL import Image
 
-from app.components import WEB
-from app.export import export_page, export_picture, scripts
+from app.shared.components import WEB
+from app.site.export import export_page, export_picture, scripts
 from omnivat.cli import main
 from omnivat.figures import maps, theme
 from omnivat.kit.errors import SettingsError

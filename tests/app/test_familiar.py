@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from app.familiar import familiar, first, training_pairs
-from app.resources import Resources
-from app.views.pair import predicted
+from app.pair.tab import predicted
+from app.shared.familiar import familiar, first, training_pairs
+from app.shared.resources import Resources
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
 from omnivat.kit.stages import IMAGES
@@ -43,7 +43,7 @@ def test_the_nearest_pairs_are_training_pairs_and_never_the_pair_itself(resource
 def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(
     resources, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("app.resources.MAPPED_BYTES", 0)
+    monkeypatch.setattr("app.shared.resources.MAPPED_BYTES", 0)
     save_embeddings(tmp_path / "half.safetensors", resources.embeddings(), dtype="float16")
     half = Resources(replace(resources.where, embeddings=tmp_path / "half.safetensors"))
     assert half.embeddings().vis.dtype == np.float16

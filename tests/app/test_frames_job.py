@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from app import frames_job
-from app.frames_job import cache_name
-from app.places import head_in
-from app.resources import Resources, Shared
+from app.shared import frames_job
+from app.shared.frames_job import cache_name
+from app.shared.places import head_in
+from app.shared.resources import Resources, Shared
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head

@@ -8,9 +8,9 @@ from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.testclient import TestClient
 
-from app.guard import Guard, rules
-from app.routes import routes
-from app.visitor_sets import VisitorSets
+from app.serving.guard import Guard, rules
+from app.serving.routes import routes
+from app.shared.visitor_sets import VisitorSets
 from benchmarks.attack import attack
 
 

@@ -11,7 +11,7 @@ from starlette.routing import Route
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from app.guard import Guard, alone, is_loopback, rules, warning
+from app.serving.guard import Guard, alone, is_loopback, rules, warning
 
 PAGE = "<html><script>let a = 1;</script><script src='x.js'></script></html>"
 DEMO = rules("127.0.0.1", ["demo.example"])

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.resources import Resources
+from app.shared.resources import Resources
 from omnivat.data.store import save_embeddings
 from omnivat.maps.frames import read_frames
 

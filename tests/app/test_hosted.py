@@ -13,7 +13,7 @@ from urllib.request import Request, urlopen
 
 import pytest
 
-from app.preflight import keeps_nothing, parser
+from app.serving.preflight import keeps_nothing, parser
 from app.train.plan import NUMBERS
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -6,8 +6,8 @@ from weakref import ref
 
 import pytest
 
-from app.jobs import Jobs
-from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
+from app.shared.jobs import Jobs
+from app.shared.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import Step
 
@@ -50,7 +50,7 @@ def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
 
 
 def test_a_visitor_with_one_job_does_not_wait_for_all_of_another(jobs, monkeypatch):
-    monkeypatch.setattr("app.jobs.WAITING_JOBS", 8)
+    monkeypatch.setattr("app.shared.jobs.WAITING_JOBS", 8)
     first, go, there = held(jobs, visitor="many")
     there.wait(60)
     many = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(4)]
@@ -166,7 +166,7 @@ def test_whatever_is_raised_ends_in_a_sentence_and_the_lane_goes_on(jobs, error)
 
 def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count(jobs, monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("app.jobs.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.shared.jobs.monotonic", lambda: now[0])
     slow, go, there = held(jobs)
     there.wait(60)
     late, _, begun = held(jobs, deadline_s=10)
@@ -196,7 +196,7 @@ def test_progress_is_seen_while_the_job_runs(jobs):
 
 
 def test_a_full_queue_refuses_in_a_sentence(jobs, monkeypatch):
-    monkeypatch.setattr("app.jobs.WAITING_JOBS", 2)
+    monkeypatch.setattr("app.shared.jobs.WAITING_JOBS", 2)
     _, _, there = held(jobs)
     there.wait(60)
     held(jobs)
@@ -206,7 +206,7 @@ def test_a_full_queue_refuses_in_a_sentence(jobs, monkeypatch):
 
 
 def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeypatch):
-    monkeypatch.setattr("app.jobs.GIVE_WAY_S", 60.0)
+    monkeypatch.setattr("app.shared.jobs.GIVE_WAY_S", 60.0)
     go, there, order = Event(), Event(), []
 
     def training(job):
@@ -228,7 +228,7 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
     assert asked.state == "done"
     go.clear()
     there.clear()
-    monkeypatch.setattr("app.jobs.GIVE_WAY_S", 0.01)
+    monkeypatch.setattr("app.shared.jobs.GIVE_WAY_S", 0.01)
     busy = jobs.start(request, lane="quick")
     jobs.start(training, lane="long").future.result(60)
     assert order == ["request", "step", "step"]  # though the request still runs
@@ -266,7 +266,7 @@ def test_frames_of_one_visitor_in_every_slot_do_not_hold_up_another(jobs, priori
 
 @pytest.mark.parametrize(("longest", "place"), [(60.0, 2), (0.0, 1)])
 def test_an_upload_that_has_waited_long_comes_before_newer_drags(jobs, monkeypatch, longest, place):
-    monkeypatch.setattr("app.jobs.LONGEST_WAIT_S", longest)
+    monkeypatch.setattr("app.shared.jobs.LONGEST_WAIT_S", longest)
     go = Event()
     for _ in range(2):
         jobs.start(lambda job: go.wait(60), lane="quick")

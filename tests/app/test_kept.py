@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import torch
 
-from app.resources import Resources
+from app.shared.resources import Resources
 from benchmarks._fuzz_readers import READERS
 from omnivat import load_embeddings, load_head, load_profile, save_embeddings, save_profile, twins
 from omnivat.cli import main

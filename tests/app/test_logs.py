@@ -2,7 +2,7 @@
 
 import logging
 
-from app import server as logs
+from app.serving import server as logs
 
 
 def said(caplog, minute, monkeypatch):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from app.map_place import journey
-from app.resources import Resources
+from app.explore.map_place import journey
+from app.shared.resources import Resources
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 from omnivat.maps.frames import read_frames
@@ -91,7 +91,7 @@ def test_the_features_of_the_set_are_computed_once_for_all_journeys(with_frames,
     for row in (1, 2, 3):
         journey(with_frames, {"tac": f"row:{row}"})
     assert len(walks) == 1
-    monkeypatch.setattr("app.map_place.KEPT_STOPS", 0)  # a large set keeps none
+    monkeypatch.setattr("app.explore.map_place.KEPT_STOPS", 0)  # a large set keeps none
     large = Resources(with_frames.where)
     for row in (1, 2):
         journey(large, {"tac": f"row:{row}"})

@@ -9,7 +9,7 @@ import pytest
 SCRIPT = """
 import sys
 from threading import Thread
-from app.memory import Trim, share_arenas
+from app.shared.memory import Trim, share_arenas
 
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * 4096
@@ -49,7 +49,7 @@ def test_what_work_frees_between_what_it_keeps_goes_back_to_the_system():
 FAULTS = """
 import resource
 from threading import Thread
-from app.memory import share_arenas
+from app.shared.memory import share_arenas
 
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt

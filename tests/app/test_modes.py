@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.modes import fitting_files, mode_files, modes
-from app.resources import Resources
-from app.tables import tables
-from app.views import explore
-from app.visitor_sets import VisitorSets
+from app.explore import tab as explore
+from app.shared.modes import fitting_files, mode_files, modes
+from app.shared.resources import Resources
+from app.shared.tables import tables
+from app.shared.visitor_sets import VisitorSets
 from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import served
@@ -106,7 +106,7 @@ def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
 def shipped(trained, monkeypatch):
     """Let the folder with the small set be the one set of the project, under the name "chirps"."""
     (trained / "head").mkdir(exist_ok=True)
-    for module in ("app.visitor_sets", "app.places", "app.modes"):
+    for module in ("app.shared.visitor_sets", "app.shared.places", "app.shared.modes"):
         sets = {"chirps": (trained, trained / "set.safetensors")}
         monkeypatch.setattr(f"{module}.shipped_sets", lambda sets=sets: sets)
 

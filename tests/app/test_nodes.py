@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from app.nodes import tree, votes
+from app.explore.nodes import tree, votes
 
 
 def test_nodes_and_layers_are_those_of_the_head(resources):
@@ -39,5 +39,5 @@ def test_a_node_that_gives_one_class_to_every_pair_is_found(resources):
 
 
 def test_the_nodes_of_a_large_set_are_those_of_some_of_its_pairs(resources, monkeypatch):
-    monkeypatch.setattr("app.nodes.MOST_PAIRS", 7)
+    monkeypatch.setattr("app.explore.nodes.MOST_PAIRS", 7)
     assert votes(resources, {})["pairs"] == 7

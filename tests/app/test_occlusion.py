@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from app.pictures import CELLS, PATCH, STEPS, hidden, occlusion, over_cells
+from app.pair.pictures import CELLS, PATCH, STEPS, hidden, occlusion, over_cells
 
 
 def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from app.about import own
-from app.familiar import familiar
-from app.places import places, shipped_places
-from app.predictors import heads
-from app.resources import Resources
-from app.views.pair import predicted
+from app.explore.predictors import heads
+from app.pair.tab import predicted
+from app.serving.about import own
+from app.shared.familiar import familiar
+from app.shared.places import places, shipped_places
+from app.shared.resources import Resources
 from omnivat.head.heads import default_head, own_head
 
 

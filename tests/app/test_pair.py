@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from app.resources import Resources
-from app.state import ForgottenError
-from app.views.pair import many, predicted, rivals, spectrum, trained_span
+from app.pair.tab import many, predicted, rivals, spectrum, trained_span
+from app.shared.resources import Resources
+from app.shared.state import ForgottenError
 from omnivat.data.store import save_embeddings
 from omnivat.kit.stages import IMAGES
 
@@ -42,7 +42,7 @@ def test_a_set_that_stays_in_its_file_gives_the_same_readings_in_single_and_half
         save_embeddings(file, resources.embeddings(), dtype=dtype)
         found = []
         for limit in (0, 10**9):
-            monkeypatch.setattr("app.resources.MAPPED_BYTES", limit)
+            monkeypatch.setattr("app.shared.resources.MAPPED_BYTES", limit)
             beside = Resources(replace(resources.where, embeddings=file), resources.shared)
             assert beside.embeddings().vis.flags.writeable == (limit > 0)
             found.append(predicted(beside, question))

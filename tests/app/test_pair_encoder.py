@@ -41,8 +41,8 @@ def test_a_head_of_relief_reads_touches_as_relief_and_photos_as_they_are(
 def test_a_picture_without_dots_is_embedded_once_and_every_vector_is_the_encoders_own(
     resources, encoder, monkeypatch, picture, mend, passes
 ):
-    from app.decoder import Picture
-    from app.mend import mended
+    from app.shared.decoder import Picture
+    from app.shared.mend import mended
     from omnivat.encoders.base import DotsFilled
     from tests.unit.data.odd_pictures import gel, printed
     from tests.unit.data.odd_pictures import picture as of

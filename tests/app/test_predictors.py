@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app import predictors
-from app.resources import Resources
+from app.explore import predictors
+from app.shared.resources import Resources
 
 
 @pytest.fixture

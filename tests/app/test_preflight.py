@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from app.preflight import parser
-from app.server import main
+from app.serving.preflight import parser
+from app.serving.server import main
 
 ROOT = Path(__file__).resolve().parents[2]
 

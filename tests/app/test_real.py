@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from app.real import SHOWN, RealPairs
+from app.shared.real import SHOWN, RealPairs
 from omnivat.data.fetching import fetched_sets
 
 from .conftest import served

@@ -4,11 +4,11 @@ from functools import partial
 
 import pytest
 
-from app.pair_input import MOST_LESSONS
-from app.routes import QUESTIONS, SENT
-from app.sensor import MOST_AT_ONCE
-from app.state import ForgottenError
-from app.views.pair import MOST_AT_ONCE as MOST_PAIRS
+from app.pair.sensor import MOST_AT_ONCE
+from app.pair.tab import MOST_AT_ONCE as MOST_PAIRS
+from app.serving.routes import QUESTIONS, SENT
+from app.shared.pair_input import MOST_LESSONS
+from app.shared.state import ForgottenError
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
@@ -86,9 +86,9 @@ def test_it_is_refused_with_what_is_wanted(resources, png, route, question, word
 @pytest.mark.parametrize(
     ("limit", "route", "question"),
     [
-        ("app.views.pair.MOST_AT_ONCE", "many", {"pairs": LESSONS}),
-        ("app.pair_input.MOST_LESSONS", "teach", {"lessons": LESSONS}),
-        ("app.sensor.MOST_AT_ONCE", "profile", {"photos": ["image:own"] * len(LESSONS)}),
+        ("app.pair.tab.MOST_AT_ONCE", "many", {"pairs": LESSONS}),
+        ("app.shared.pair_input.MOST_LESSONS", "teach", {"lessons": LESSONS}),
+        ("app.pair.sensor.MOST_AT_ONCE", "profile", {"photos": ["image:own"] * len(LESSONS)}),
     ],
 )
 def test_as_many_as_stated_are_taken(resources, monkeypatch, limit, route, question):

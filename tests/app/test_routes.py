@@ -9,10 +9,10 @@ from shutil import copytree
 import numpy as np
 import pytest
 
-from app.limits import MAX_IMAGE_BYTES
-from app.messages import UNEXPECTED
-from app.resources import Resources
-from app.routes import QUESTIONS, SENT
+from app.serving.routes import QUESTIONS, SENT
+from app.shared.limits import MAX_IMAGE_BYTES
+from app.shared.messages import UNEXPECTED
+from app.shared.resources import Resources
 from omnivat.maps.frames import read_frames
 
 from .conftest import sentence, served
@@ -66,7 +66,7 @@ def test_a_bad_image_is_refused_by_its_name_and_one_over_the_limit_by_its_size(c
 def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
     client, monkeypatch, caplog
 ):
-    monkeypatch.setattr("app.pair_input.order_from", lambda question: 1 / 0)
+    monkeypatch.setattr("app.shared.pair_input.order_from", lambda question: 1 / 0)
     with caplog.at_level(logging.ERROR):
         assert sentence(client.post("/omnivat/pair", json={}), 500) == UNEXPECTED
     assert "ZeroDivisionError" in caplog.text
@@ -157,7 +157,7 @@ def test_another_head_is_held_under_another_name(resources, tmp_path):
 
 
 def test_a_page_gets_frames_in_parts_that_make_the_file_again(framed):
-    from app.frame_parts import parts_of
+    from app.shared.frame_parts import parts_of
 
     frames = read_frames(framed.frames)
     with served(Resources(framed)) as client:

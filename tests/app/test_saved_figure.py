@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.resources import Resources
-from app.tables import tables
+from app.shared.resources import Resources
+from app.shared.tables import tables
 from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import served

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from app import scratch
-from app.scratch import sweep
+from app.shared import scratch
+from app.shared.scratch import sweep
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKES = """
 import sys, time
-from app.scratch import Scratch
+from app.shared.scratch import Scratch
 home = Scratch()
 print(home.folder("x"), flush=True)
 {then}

@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from app.about import about
-from app.pair_input import pair_of
-from app.sensor import profile, save_sensor
-from app.sensor_card import MOST_TOUCHES
-from app.server import main
-from app.views.pair import many
+from app.pair.sensor import profile, save_sensor
+from app.pair.sensor_card import MOST_TOUCHES
+from app.pair.tab import many
+from app.serving.about import about
+from app.serving.server import main
+from app.shared.pair_input import pair_of
 from omnivat.data.images import read_image
 from omnivat.data.profile import channels_of, joined
 from omnivat.head.heads import EXAMPLES

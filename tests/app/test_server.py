@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app.preflight import parser
-from app.server import LINES
+from app.serving.preflight import parser
+from app.serving.server import LINES
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -24,11 +24,11 @@ def interpreter(code, *arguments):
 FIRST_PAGE = """
 import os, sys, urllib.request
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-from app.places import places
-from app.preflight import parser
-from app.resources import Resources
-from app.server import build, launch
-from app.visitor_sets import VisitorSets
+from app.shared.places import places
+from app.serving.preflight import parser
+from app.shared.resources import Resources
+from app.serving.server import build, launch
+from app.shared.visitor_sets import VisitorSets
 sets = VisitorSets(Resources(places()))
 page = build(sets)
 chosen = parser().parse_args(["--no-browser"])
@@ -66,12 +66,12 @@ import json, os, sys
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-from app.guard import EVENTS
-from app.places import places
-from app.preflight import parser
-from app.resources import Resources
-from app.server import LINES, build, launch, start_log
-from app.visitor_sets import VisitorSets
+from app.serving.guard import EVENTS
+from app.shared.places import places
+from app.serving.preflight import parser
+from app.shared.resources import Resources
+from app.serving.server import LINES, build, launch, start_log
+from app.shared.visitor_sets import VisitorSets
 start_log()
 sets = VisitorSets(Resources(places()))
 page = build(sets)
@@ -112,7 +112,7 @@ import os, runpy, signal, sys
 
 class Finder:  # sends the signal while the page loads
     def find_spec(self, name, *_):
-        if name == "app.guard":
+        if name == "app.serving.guard":
             os.kill(os.getpid(), signal.SIGINT)
 
 sys.meta_path.insert(0, Finder())
@@ -126,7 +126,7 @@ def test_a_page_that_is_stopped_while_it_loads_ends_in_a_sentence():
 
 
 def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypatch, capsys):
-    from app.server import main
+    from app.serving.server import main
 
     monkeypatch.setitem(sys.modules, "webview", None)
     assert main(["--desktop"]) == 1
@@ -148,7 +148,7 @@ def create_window(title, address, **size):
 
 window = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
 sys.modules["webview"] = window
-from app.server import main
+from app.serving.server import main
 raise SystemExit(main(["--desktop", "--port", sys.argv[1]]))
 """
 
@@ -168,9 +168,9 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
 def test_the_server_starts_with_connections_that_have_limits(resources, monkeypatch):
     import uvicorn
 
-    from app.connections import Connection
-    from app.server import launch
-    from app.visitor_sets import VisitorSets
+    from app.serving.server import launch
+    from app.shared.connections import Connection
+    from app.shared.visitor_sets import VisitorSets
 
     class Page:
         def launch(self, **_):

@@ -11,11 +11,12 @@ import torch
 from safetensors.numpy import load_file
 from torch.nn.functional import normalize
 
-from app import map_place, site
-from app.resources import Resources
-from app.routes import FACTS, QUESTIONS
-from app.site import MARK, OWN, Files, export_site
-from app.site_models import files_in, write_places, write_set
+from app.explore import map_place
+from app.serving.routes import FACTS, QUESTIONS
+from app.shared.resources import Resources
+from app.site import folder as site
+from app.site.folder import MARK, OWN, Files, export_site
+from app.site.models import files_in, write_places, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 from omnivat.kit.stages import IMAGES

@@ -8,7 +8,7 @@ pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
-from app.site_programs import programs, write_programs  # noqa: E402
+from app.site.programs import programs, write_programs  # noqa: E402
 from omnivat.head.calibration import nearest_cosines, quantile_of  # noqa: E402
 
 pytestmark = pytest.mark.slow  # an export takes seconds

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.state import VISITOR, Recent, ref_from
+from app.shared.state import VISITOR, Recent, ref_from
 from omnivat.kit.errors import DataError
 
 

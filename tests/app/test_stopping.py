@@ -5,11 +5,11 @@ from functools import partial
 
 import pytest
 
-from app.api import WORK
-from app.jobs import Jobs
-from app.messages import BusyError, CancelledError
-from app.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
-from app.visitor_sets import VisitorSets
+from app.serving.api import WORK
+from app.serving.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
+from app.shared.jobs import Jobs
+from app.shared.messages import BusyError, CancelledError
+from app.shared.visitor_sets import VisitorSets
 from omnivat.kit.progress import CHECK
 from omnivat.measure.predictions import CHUNK
 
@@ -95,7 +95,7 @@ class Leaving(Jobs):
 @pytest.fixture(scope="module")
 def work(small_places):
     """Return a function of a route's name: its work, for a new server."""
-    from app.resources import Resources
+    from app.shared.resources import Resources
 
     def of(name):
         resources = Resources(replace(small_places, compare=(small_places.head,)))

@@ -5,10 +5,10 @@ import zipfile
 
 import pytest
 
-from app.pair_input import reader_of
-from app.pictures import live, occlusion
-from app.teaching import curve, save_set, save_taught, taught, teach
-from app.views.pair import many, predicted
+from app.pair.pictures import live, occlusion
+from app.pair.tab import many, predicted
+from app.pair.teaching import curve, save_set, save_taught, taught, teach
+from app.shared.pair_input import reader_of
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
 

@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 
-from app.touch_relief import MOST, relief
+from app.pair.touch_relief import MOST, relief
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from app.routes import head_file
-from app.state import ForgottenError
+from app.serving.routes import head_file
+from app.shared.state import ForgottenError
+from app.shared.visitor_sets import VisitorSets
 from app.train.plan import NUMBERS, in_words, offered, plan_from
 from app.train.runs import Trainings
-from app.visitor_sets import VisitorSets
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
 
@@ -75,7 +75,7 @@ def test_a_domain_with_one_class_is_refused_before_the_queue(sets, without_class
 
 def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     ways = []
-    monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
+    monkeypatch.setattr("app.shared.jobs.Job.give_way", lambda job: ways.append(job))
     ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL, "ann"))
     assert len(ways) >= SMALL["epochs"]
 

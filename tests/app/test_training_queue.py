@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.messages import BusyError
-from app.state import VISITOR, Recent
+from app.shared.messages import BusyError
+from app.shared.state import VISITOR, Recent
+from app.shared.visitor_sets import VisitorSets
 from app.train import runs as training
 from app.train.runs import Trainings
 from app.train.tab import TrainTab
-from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
 from .conftest import until

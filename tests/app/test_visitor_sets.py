@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from starlette.requests import Request
 
-from app.limits import PARTS
-from app.requests import visitor_of
-from app.state import ForgottenError
-from app.visitor_sets import VisitorSets
+from app.shared.limits import PARTS
+from app.shared.requests import visitor_of
+from app.shared.state import ForgottenError
+from app.shared.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError
 
@@ -95,7 +95,7 @@ def load_one(tmp_path, small_places):
 def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
     resources, small_places, monkeypatch, tmp_path, load_one
 ):
-    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
+    monkeypatch.setattr("app.shared.visitor_sets.KEPT_DESKS", 3)
     sets, file = VisitorSets(resources), "embeddings.safetensors"
     pairs = keep(sets, tmp_path, file, small_places.embeddings.read_bytes())
     name = sets.load(sets.first, {"parts": {file: pairs}})["set"]
@@ -113,8 +113,8 @@ def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
 def test_files_that_are_not_loaded_are_bounded_and_the_oldest_go_first(
     resources, monkeypatch, tmp_path, load_one
 ):
-    monkeypatch.setattr("app.visitor_sets.KEPT_PARTS", 5)
-    monkeypatch.setattr("app.visitor_sets.PARTS_BYTES", 10)
+    monkeypatch.setattr("app.shared.visitor_sets.KEPT_PARTS", 5)
+    monkeypatch.setattr("app.shared.visitor_sets.PARTS_BYTES", 10)
     sets = VisitorSets(resources)
     sent = [keep(sets, tmp_path, "settings.json", str(number).encode()) for number in range(40)]
     there = {file.name for file in sets.shared.scratch.folder("parts").iterdir()}
@@ -140,7 +140,7 @@ def test_a_visitor_is_an_address_or_the_network_that_one_visitor_has(host, visit
 
 
 def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, monkeypatch, load_one):
-    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
+    monkeypatch.setattr("app.shared.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
     sets = VisitorSets(resources)
     names = [load_one(sets, number) for number in range(KEPT_DESKS + 1)]
     with pytest.raises(ForgottenError):

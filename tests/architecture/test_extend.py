@@ -140,7 +140,7 @@ def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
 
 def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts(tmp_path):
     names = {}
-    exec(block("app/views/hello.py"), names)
+    exec(block("app/hello/tab.py"), names)
     assert names["TITLE"] == "Hello"
     assert "export async function start(element)" in block("app/web/hello/hello.js")
     assert "<section" in block("app/web/hello/hello.html")

@@ -14,7 +14,7 @@ PARTS = ("omnivat", "app", "examples", "pyproject.toml", "setup.py", "README.md"
 pytestmark = pytest.mark.slow
 LOOK = """
 import app, omnivat
-from app.resources import Resources
+from app.shared.resources import Resources
 from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.notebook import explore
 print(omnivat.__file__, app.__file__, EXAMPLES, sep="\\n")

@@ -23,8 +23,8 @@ import json, sys
 from pathlib import Path
 from omnivat.measure import rungs
 RUNGS, rungs.DRAWS = rungs.RUNGS, 3  # before what takes them is imported
-from app.server import main
-from app.tables import tables
+from app.serving.server import main
+from app.shared.tables import tables
 from omnivat.measure.gaps import GAPS, NAMES
 
 folder = Path(__file__).parent

@@ -6,7 +6,7 @@ from urllib.parse import parse_qsl, urlsplit
 import numpy as np
 import pytest
 
-from app.frame_parts import part_of
+from app.shared.frame_parts import part_of
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
 from omnivat.maps.frames import read_frames, write_frames
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.tables import tables
+from app.shared.tables import tables
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import default_embeddings
 from omnivat.maps.frames import read_frames

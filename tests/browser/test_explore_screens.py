@@ -57,8 +57,8 @@ def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(new_page, add
 
 
 def test_the_saved_page_works_from_disk_with_its_toy_and_tour(chromium, tmp_path):
-    from app.export import export_page
-    from app.places import places
+    from app.shared.places import places
+    from app.site.export import export_page
 
     export_page(places(), EXAMPLES / "frames.bin", tmp_path / "page.html")
     page = chromium.new_page(viewport={"width": 1440, "height": 900})

@@ -7,7 +7,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from app.views import VIEWS
+from app.shared.components import VIEWS
 
 from .conftest import BROWSERS, FLAGS, Server
 from .gestures import READY, open_tab

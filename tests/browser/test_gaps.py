@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from app.places import places
-from app.resources import Resources
+from app.shared.places import places
+from app.shared.resources import Resources
 from omnivat import EXAMPLES, read_frames
 from omnivat.maps.projection.neighbours import placed
 from omnivat.measure.gaps.unit import unit

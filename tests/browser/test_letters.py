@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.views import VIEWS
+from app.shared.components import VIEWS
 
 from .gestures import READY, open_tab, settle
 

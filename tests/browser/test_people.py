@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.views import VIEWS
+from app.shared.components import VIEWS
 
 from .conftest import watched
 from .gestures import ANSWERED, MAP, READY, faults, open_tab, pixels, settle

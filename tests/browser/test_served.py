@@ -13,7 +13,7 @@ pytestmark = pytest.mark.browser
 ROOT = Path(__file__).resolve().parents[2]
 OUTSIDE = [  # files that lie on the server and are nobody's business
     ROOT / "app.py",
-    ROOT / "app/server.py",
+    ROOT / "app/serving/server.py",
     ROOT / "requirements.txt",
     ROOT / "examples/simulated.csv",
     Path("/etc/passwd"),

@@ -10,12 +10,12 @@ import pytest
 import torch
 from PIL import Image
 
-from app.places import shipped_places
-from app.resources import Resources
-from app.site import export_site
-from app.site_models import files_in
-from app.views.explore import unseen
-from app.views.pair import predicted
+from app.explore.tab import unseen
+from app.pair.tab import predicted
+from app.shared.places import shipped_places
+from app.shared.resources import Resources
+from app.site.folder import export_site
+from app.site.models import files_in
 from benchmarks.site import served
 from omnivat import (
     load_embeddings,

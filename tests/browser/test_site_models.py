@@ -8,12 +8,12 @@ import pytest
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
-from app import familiar
-from app.places import places, shipped_places
-from app.resources import Resources
-from app.site import whole_files
-from app.site_models import files_in
-from app.views import pair
+from app.pair import tab as pair
+from app.shared import familiar
+from app.shared.places import places, shipped_places
+from app.shared.resources import Resources
+from app.site.folder import whole_files
+from app.site.models import files_in
 from benchmarks.site import ASK, make, served
 from omnivat.kit.errors import DataError
 

@@ -1,4 +1,4 @@
-/** The pictures of a visitor, and what a request names; see app/pair_input.py. Runs in the worker. */
+/** The pictures of a visitor, and what a request names; see app/shared/pair_input.py. Runs in the worker. */
 
 import { imagesOf, READINGS } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";

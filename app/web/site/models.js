@@ -80,7 +80,7 @@ export class Models {
     );
   }
 
-  /** What a function of the library returns: arguments and results in the order of app/site_programs.py.
+  /** What a function of the library returns: arguments and results in the order of app/site/programs.py.
    * @param {string} name @param {(Tensor | Floats | number)[]} given @returns {Promise<Tensor[]>} */
   async rule(name, ...given) {
     const file = `../${name}.onnx`;

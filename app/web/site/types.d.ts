@@ -8,7 +8,7 @@ type Tensor = { shape: number[]; values: any };
 type Tensors = Record<string, Tensor>;
 /** Pixels RGB, row by row. */
 type Raster = { pixels: Uint8Array; width: number; height: number };
-/** The numbers and words of models.json (app/site_models.py). */
+/** The numbers and words of models.json (app/site/models.py). */
 type SiteRules = { pixels: Record<"jpeg" | "other", number>; side: Record<"least" | "large" | "preview", number> };
 /** What models.json has of a head. */
 type SiteHead = {
@@ -22,7 +22,7 @@ type SiteHead = {
   familiarity: string;
   [other: string]: any;
 };
-/** What a request names; see app/pair_input.py. */
+/** What a request names; see app/shared/pair_input.py. */
 type Resolved = { pair: Rows; order: number | null; head: SiteHead };
 /** A question's other parts: the bytes of its file, and whether it was withdrawn. */
 type Sent = { body: Uint8Array; stopped: () => boolean };

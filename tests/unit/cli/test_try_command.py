@@ -7,7 +7,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from app.server import parser
+from app.serving.server import parser
 from omnivat.cli import try_pairs
 from omnivat.data.profile_file import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings

@@ -14,8 +14,8 @@ from urllib.request import urlopen
 
 import pytest
 
-from app import resources
-from app.places import find_examples
+from app.shared import resources
+from app.shared.places import find_examples
 from omnivat.cli import main
 from omnivat.head import linear_maps
 from omnivat.study import trial

@@ -1,0 +1,1 @@
+"""Try a pair: predictions of own pictures, the sensor and its relief, and teaching."""

@@ -1,0 +1,1 @@
+"""The server: addresses, who may use them, the interface for programs, and the start."""

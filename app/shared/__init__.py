@@ -1,0 +1,1 @@
+"""What several tabs use: loaded heads, sets and pairs, jobs, limits, and the page's parts."""

@@ -1,0 +1,142 @@
+"""Read requests safely (limited bytes, JSON objects, numbers); run each as a job that ends when
+its visitor leaves.
+"""
+
+import asyncio
+import json
+import os
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from time import monotonic
+from typing import TypeVar
+from weakref import WeakValueDictionary
+
+from starlette.requests import Request
+
+from app.shared.connections import visitor_at
+from app.shared.jobs import Jobs
+from app.shared.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES, UPLOADS
+from app.shared.resources import Resources
+from app.shared.scratch import Scratch
+from app.shared.state import Question
+from app.shared.visitor_sets import VisitorSets
+from omnivat.kit.errors import DataError
+
+T = TypeVar("T")
+LOOK_S = 0.25  # seconds between two checks for a disconnected visitor
+QUESTION_S = 120  # longest time for a reply, in seconds
+ARRIVING: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()  # by visitor
+
+
+class TooLargeError(DataError):
+    """A body is over its limit."""
+
+    status = 413
+
+
+class StalledError(DataError):
+    """An upload stalled."""
+
+    status = 408
+
+
+def set_of(sets: VisitorSets, request: Request) -> Resources:
+    """Return the visitor set named in a request's address: the server's own, or a loaded one."""
+    return sets.named(request.query_params.get("set", "")[:64])
+
+
+def visitor_of(request: Request) -> str:
+    """Return the visitor's address, as `visitor_at` does.
+
+    Behind a proxy on this machine it is the address that the proxy reports (X-Forwarded-For).
+    """
+    return visitor_at(request.client.host if request.client else "")
+
+
+async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes]:
+    """Yield the request's bytes as they arrive, at most `limit`.
+
+    Raises TooLargeError for more bytes, StalledError if the upload stalls or takes too long.
+    """
+    size, began, stream = 0, monotonic(), aiter(request.stream())
+    while True:
+        left = BODY_S - (monotonic() - began)
+        try:
+            block = await asyncio.wait_for(anext(stream), min(IDLE_S, left))
+        except StopAsyncIteration:
+            return
+        except TimeoutError as error:
+            raise StalledError(f"{what} did not arrive in time; send it again.") from error
+        size += len(block)
+        if size > limit:
+            raise TooLargeError(
+                f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
+            )
+        yield block
+
+
+async def question_of(request: Request) -> Question:
+    """Return the JSON object of a request; raises the errors of `blocks` and `question_from`."""
+    content = [block async for block in blocks(request, MAX_QUESTION_BYTES, "The question")]
+    return question_from(b"".join(content))
+
+
+def question_from(content: bytes) -> Question:
+    """Return the JSON object in `content`. Raises DataError if it is anything else."""
+    try:
+        question = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise DataError("The request is not JSON; send an object such as {} instead.") from error
+    if not isinstance(question, dict):
+        raise DataError("The request is not a JSON object; send one such as {} instead.")
+    return question
+
+
+async def done(
+    request: Request,
+    jobs: Jobs,
+    work: Callable[[], T],
+    *,
+    priority: int = 0,
+    lane: str = "quick",
+    deadline_s: float = QUESTION_S,
+) -> T:
+    """Run `work` as a job of a lane, cancelled when the visitor disconnects; return its result
+    or raise its error.
+    """
+    job = jobs.start(
+        lambda _: work(),
+        lane=lane,
+        visitor=visitor_of(request),
+        priority=priority,
+        deadline_s=deadline_s,
+    )
+    end = asyncio.wrap_future(job.future)
+    try:
+        while not (await asyncio.wait({end}, timeout=LOOK_S))[0]:
+            if await request.is_disconnected():
+                job.cancel()
+        return end.result()
+    except asyncio.CancelledError:
+        job.cancel()
+        raise
+
+
+@asynccontextmanager
+async def received(
+    request: Request, scratch: Scratch, limit: int, what: str
+) -> AsyncIterator[Path]:
+    """Yield a temporary file with the request's bytes; raises the errors of `blocks`.
+
+    Of one visitor, UPLOADS arrive at a time, which bounds what they take of the disk.
+    """
+    file = scratch.folder("images") / os.urandom(8).hex()
+    try:
+        async with ARRIVING.setdefault(visitor_of(request), asyncio.Semaphore(UPLOADS)):
+            with file.open("wb") as handle:
+                async for block in blocks(request, limit, what):
+                    handle.write(block)
+        yield file
+    finally:
+        file.unlink(missing_ok=True)
