@@ -136,8 +136,8 @@ def tried(
 ) -> tuple[dict[str, Any], bytes]:
     """Read one case in this process; return its outcome and cost, and the lines reached."""
     if not _here:
-        _here.update(home=TemporaryDirectory(prefix="omnivat-fuzz-"), call=Limited.__call__)
-    Limited.__call__ = _in_this_process if traced else _here["call"]  # type: ignore[method-assign]
+        _here.update(home=TemporaryDirectory(prefix="omnivat-fuzz-"), each=Limited.each)
+    setattr(Limited, "each", _in_this_process if traced else _here["each"])  # noqa: B010
     work = Path(_here["home"].name) / "work"
     shutil.rmtree(work, ignore_errors=True)
     at = 0
@@ -195,9 +195,14 @@ def _tracer(lines: Lines) -> Callable[[FrameType, str, Any], Any]:
     return entered
 
 
-def _in_this_process(self: Limited, content: bytes, over: str, **words: Any) -> Any:
+def _in_this_process(
+    self: Limited, content: bytes, over: str, fault: object = None, **words: Any
+) -> Any:
     """Do what a limited process does, where the lines can be seen."""
-    return _named(self.function)(content, **words)
+    result = _named(self.function)(content, **words)
+    for value, found in [result] if isinstance(result, tuple) else result:
+        if value is not None:
+            yield value, found
 
 
 def _peak_mb(*, reset: bool = True) -> float:

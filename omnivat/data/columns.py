@@ -22,6 +22,7 @@ from omnivat.data.parquet import parquet_columns
 from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_regular
+from omnivat.kit.limited import GROWTH, MEMORY
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -92,6 +93,13 @@ def _npz(place: Path) -> Columns:
             raise DataError(f"'{place}' holds texts in {name} that are no Unicode; save it again.")
         return array
 
+    with zipfile.ZipFile(place) as archive:
+        stated = max((one.file_size for one in archive.infolist()), default=0)
+    if stated > MEMORY + GROWTH * place.stat().st_size:
+        raise DataError(
+            f"'{place}' states an array of {stated / 1e9:.0f} GB, far more than its own size; save"
+            " it again with numpy.savez."
+        )
     with np.load(place, allow_pickle=False) as found:
         names = tuple(found.files)
     return Columns(

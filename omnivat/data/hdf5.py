@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.kit.errors import DataError, OmniVatError, first_line, printable
-from omnivat.kit.files import require_regular
+from omnivat.data.named_columns import received, sent
 from omnivat.kit.limited import Limited
 from omnivat.kit.tables import need
 
@@ -44,10 +43,8 @@ class Stored:
         DataError if the part cannot be read.
         """
         index = [*map(int, where)] if isinstance(where, tuple) else [int(where)]
-        about, content = _read(self.file, name=self.name, where=index)
-        if "texts" in about:
-            return np.array(about["texts"])
-        return np.frombuffer(content, about["dtype"]).reshape(about["shape"])
+        (found,) = read_part.read(self.file, name=self.name, where=index)
+        return np.array(found[0]["texts"]) if "texts" in found[0] else received(*found)
 
 
 def arrays(file: Path) -> tuple[dict[str, Stored], Mapping[str, Mapping[str, Any]]]:
@@ -57,8 +54,7 @@ def arrays(file: Path) -> tuple[dict[str, Stored], Mapping[str, Mapping[str, Any
     Raises DataError for a damaged file, MissingPackageError without h5py.
     """
     need("h5py", purpose="reading HDF5")
-    require_regular(file)
-    found, _ = _read(file)
+    ((found, _),) = read_part.read(file)
     stored = {
         name: Stored(
             file=file, name=name, shape=tuple(shape), dtype=np.dtype(kind), of_bytes=of_bytes
@@ -68,43 +64,27 @@ def arrays(file: Path) -> tuple[dict[str, Stored], Mapping[str, Mapping[str, Any
     return stored, found["attributes"]
 
 
-def _read(file: Path, **which: Any) -> tuple[dict[str, Any], bytes]:
-    where = f"'{printable(str(file))}'"
-    over = f"{where} takes more memory or time than its reader has; export it again."
-    try:
-        return read_part(b"", over, file=str(file.absolute()), **which)
-    except DataError as error:
-        if str(error) == over:
-            raise
-        raise DataError(f"{where} cannot be read ({error}); export it again.") from error
-
-
 def part(
     _: bytes, *, file: str, name: str = "", where: list[int] | None = None
 ) -> tuple[dict[str, Any], bytes]:
     """Return what is stated about all arrays; or a part of one. Runs in the limited process."""
     import h5py
 
-    try:
-        with h5py.File(file, "r") as handle:
-            if name:
-                return _values(h5py, handle[name], tuple(where or ()))
-            found: dict[str, Any] = {}
-            attributes = {"": _attributes(handle)}
+    with h5py.File(file, "r") as handle:
+        if name:
+            return _values(h5py, handle[name], tuple(where or ()))
+        found: dict[str, Any] = {}
+        attributes = {"": _attributes(handle)}
 
-            def visit(name: str, one: Any) -> None:
-                attributes[name] = _attributes(one)
-                if hasattr(one, "dtype"):
-                    inner = h5py.check_vlen_dtype(one.dtype) or one.dtype
-                    found[name] = one.shape or (), one.dtype.str, bool(inner == np.uint8)
+        def visit(name: str, one: Any) -> None:
+            attributes[name] = _attributes(one)
+            if hasattr(one, "dtype"):
+                inner = h5py.check_vlen_dtype(one.dtype) or one.dtype
+                found[name] = one.shape or (), one.dtype.str, bool(inner == np.uint8)
 
-            handle.visititems(visit)
-            filled = {name: own for name, own in attributes.items() if own}
-            return {"arrays": found, "attributes": filled}, b""
-    except OmniVatError:
-        raise
-    except Exception as error:  # h5py has many kinds for damaged files
-        raise DataError(first_line(error)) from error
+        handle.visititems(visit)
+        filled = {name: own for name, own in attributes.items() if own}
+        return {"arrays": found, "attributes": filled}, b""
 
 
 def _attributes(one: Any) -> dict[str, Any]:
@@ -127,9 +107,8 @@ def _values(h5py: Any, own: Any, where: tuple[int, ...]) -> tuple[dict[str, Any]
         texts = own.asstr()[where]
         return {"texts": texts.tolist() if isinstance(texts, np.ndarray) else texts}, b""
     if own.dtype.kind == "O" and len(where) < own.ndim:
-        raise DataError(f"the rows of {own.name} differ in length")
-    array = np.asarray(own[where])
-    return {"dtype": array.dtype.str, "shape": array.shape}, array.tobytes()
+        raise ValueError(f"the rows of {own.name} differ in length")
+    return sent(np.asarray(own[where]))
 
 
-read_part = Limited(f"{__name__}:part", memory=4_000_000_000, seconds=10, wait=300.0)
+read_part = Limited(f"{__name__}:part", seconds=10, grows=True)

@@ -87,6 +87,16 @@ class Columns:
         return f"row {number}" + (f" (line {self.lines[number]})" if self.lines else "")
 
 
+def sent(array: NDArray[Any]) -> tuple[dict[str, Any], bytes]:
+    """Return an array as JSON and bytes, of objects as texts; `received` turns them back."""
+    array = array.astype(str) if array.dtype.kind == "O" else array
+    return {"dtype": array.dtype.str, "shape": array.shape}, array.tobytes()
+
+
+def received(about: Mapping[str, Any], content: bytes) -> NDArray[Any]:
+    return np.frombuffer(content, about["dtype"]).reshape(about["shape"])
+
+
 def require_one(place: Path, names: Sequence[str], name: str) -> None:
     """Raise DataError if several columns of a file have a name."""
     if (count := names.count(name)) > 1:

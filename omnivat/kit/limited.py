@@ -3,13 +3,15 @@
 A bound on a file's size bounds neither the memory nor the time that its reader takes. The process
 has a limit on each: the system refuses it more, and a timer kills it.
 
-The function takes the bytes and keywords of JSON, and returns an object of JSON and bytes.
+The function takes the bytes and keywords of JSON, and returns an object of JSON and bytes, or
+yields several.
 """
 
 import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -18,19 +20,27 @@ from time import process_time
 from typing import Any
 from weakref import finalize
 
-from omnivat.kit.errors import DataError, OmniVatError
+from omnivat.kit.errors import DataError, OmniVatError, first_line, printable
+from omnivat.kit.files import require_regular
 
 # glibc then returns what a large file took, and goes on using what an ordinary one takes
 MALLOC = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), "4000000")
 Process = subprocess.Popen[bytes]
 
 
+MEMORY, WAIT = 4_000_000_000, 300.0  # of a process that reads a large file
+GROWTH = 4  # bytes of memory for each byte of such a file
+BYTES_A_SECOND = 10_000_000  # of a file, to which limits grow
+Result = tuple[dict[str, Any], bytes]
+
+
 class Limited:
     """Calls `function`, "module:name", in processes that last, one call at a time in each.
 
     memory   bytes of such a process
-    seconds  of a processor, for a call
-    wait     seconds until a call is killed
+    seconds  of a processor, for a call, or for each that it yields
+    wait     seconds until a call is killed, or one that yields nothing
+    grows    whether memory and seconds grow with the file that a call names
 
     `close` ends the processes; they also end with this one.
 
@@ -41,39 +51,76 @@ class Limited:
     >>> limited.close()
     """
 
-    def __init__(self, function: str, *, memory: int, seconds: int, wait: float) -> None:
-        self.function, self.memory, self.seconds, self.wait = function, memory, seconds, wait
+    def __init__(
+        self,
+        function: str,
+        *,
+        memory: int = MEMORY,
+        seconds: int,
+        wait: float = WAIT,
+        grows: bool = False,
+    ) -> None:
+        self.function, self.wait = function, wait
+        self.limits = [*map(str, (memory, seconds, GROWTH * grows))]
         self._idle: list[Process] = []
         self.close = finalize(self, _end_all, self._idle)
 
-    def __call__(self, content: bytes, over: str, **words: Any) -> tuple[dict[str, Any], bytes]:
+    def __call__(self, content: bytes, over: str, **words: Any) -> Result:
         """Return what the function returns. Raises DataError: the function's, or `over` if it
         takes more than the limits.
         """
+        (result,) = self.each(content, over, **words)
+        return result
+
+    def each(
+        self, content: bytes, over: str, fault: Callable[[str], str] | None = None, **words: Any
+    ) -> Iterator[Result]:
+        """Yield each that the function yields, but for a value of None, which only renews its
+        limits. Errors as of a call; `fault` gives the sentence for an error of another kind.
+        """
         process = self._idle.pop() if self._idle else self.started()
-        late = Timer(self.wait, process.kill)
-        late.start()
+        call, ended = json.dumps([len(content), words]).encode() + b"\n" + content, False
         try:
-            reply, found = _exchanged(process, content, words)
-        except BaseException:
-            _end_all([process])
-            raise
+            while not ended:
+                late = Timer(self.wait, process.kill)
+                late.start()
+                try:
+                    reply, found = _exchanged(process, call)
+                finally:
+                    late.cancel()
+                if reply is None:
+                    raise DataError(over)
+                call, ended = b"", "value" not in reply
+                if ended:
+                    self._idle.append(process)
+                if "fault" in reply:
+                    raise DataError(fault(reply["fault"]) if fault else over)
+                if "error" in reply:
+                    raise DataError(reply["error"])
+                if reply.get("value") is not None:
+                    yield reply["value"], found
         finally:
-            late.cancel()
-        if reply is None:
-            _end_all([process])
-            raise DataError(over)
-        self._idle.append(process)
-        if "error" in reply:
-            raise DataError(reply["error"])
-        return reply["value"], found
+            if not ended:
+                _end_all([process])
+
+    def read(self, file: Path, remedy: str = "export it again", **words: Any) -> Iterator[Result]:
+        """Yield each that the function yields of a `file`, which is in every error's sentence."""
+        require_regular(file)
+        where = f"'{printable(str(file))}'"
+        yield from self.each(
+            b"",
+            f"{where} takes more memory or time than its reader has; {remedy}.",
+            lambda why: f"{where} cannot be read ({why}); {remedy}.",
+            file=str(file.absolute()),
+            **words,
+        )
 
     def started(self) -> Process:
         """Start a process."""
         path = os.pathsep.join(filter(None, [str(Path(__file__).parents[2]), *sys.path]))
         command = [sys.executable, "-m", __name__, self.function]
         return subprocess.Popen(
-            [*command, str(self.memory), str(self.seconds)],
+            [*command, *self.limits],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -81,13 +128,11 @@ class Limited:
         )
 
 
-def _exchanged(
-    process: Process, content: bytes, words: dict[str, Any]
-) -> tuple[dict[str, Any] | None, bytes]:
-    """Send one call; return its reply and bytes, or None if the process dies."""
+def _exchanged(process: Process, call: bytes) -> tuple[dict[str, Any] | None, bytes]:
+    """Send a call, if any; return the next reply and its bytes, or None if the process dies."""
     assert process.stdin and process.stdout, "the process has pipes"
     try:
-        process.stdin.write(json.dumps([len(content), words]).encode() + b"\n" + content)
+        process.stdin.write(call)
         process.stdin.flush()
         reply = json.loads(process.stdout.readline())
         found = process.stdout.read(reply["size"])
@@ -102,24 +147,35 @@ def _end_all(processes: list[Process]) -> None:
             process.kill()
 
 
-def serve(function: str, memory: int, seconds: int) -> None:
+def serve(function: str, memory: int, seconds: int, grows: int = 0) -> None:
     """Call the function in this process: calls on standard input, results on standard output."""
     module, _, name = function.partition(":")
     call, output = getattr(import_module(module), name), sys.stdout.buffer
     sys.stdout = sys.stderr  # what a reader prints is no reply
-    limit("RLIMIT_DATA", memory)
-    while line := sys.stdin.buffer.readline():  # nothing once the caller is gone
-        limit("RLIMIT_CPU", int(process_time()) + 1 + seconds)
-        size, words = json.loads(line)
-        found = b""
-        try:
-            value, found = call(sys.stdin.buffer.read(size), **words)
-            reply = {"value": value, "size": len(found)}
-        except OmniVatError as error:
-            reply = {"error": str(error), "size": 0}
-        output.write(json.dumps(reply).encode() + b"\n")
+
+    def reply(found: bytes = b"", **about: Any) -> None:
+        output.write(json.dumps(about | {"size": len(found)}, default=str).encode() + b"\n")
         output.write(found)
         output.flush()
+
+    while line := sys.stdin.buffer.readline():  # nothing once the caller is gone
+        size, words = json.loads(line)
+        own = Path(words["file"]).stat().st_size if grows else 0
+        limit("RLIMIT_DATA", memory + grows * own)
+        try:
+            most = 1 + seconds + own // BYTES_A_SECOND
+            limit("RLIMIT_CPU", int(process_time()) + most)
+            result = call(sys.stdin.buffer.read(size), **words)
+            for value, found in [result] if isinstance(result, tuple) else result:
+                reply(found, value=value)
+                limit("RLIMIT_CPU", int(process_time()) + most)
+            reply()
+        except OmniVatError as error:
+            reply(error=str(error))
+        except MemoryError:
+            return  # over the limits
+        except Exception as error:  # libraries have many kinds for damaged files
+            reply(fault=first_line(error))
 
 
 def limit(kind: str, most: int) -> None:

@@ -238,7 +238,8 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
         try:
             track = Film(file=film)
             (moment,) = moments({"tac": track}, None, 1, "contact")["tac"]
-            next(track.pictures([moment])).save(target)
+            (picture,) = track.pictures([moment])
+            picture.save(target)
         finally:
             film.unlink()
     elif box or target.suffix != kind:

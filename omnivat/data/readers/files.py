@@ -8,10 +8,12 @@ from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 from omnivat.data.naming import COLUMNS, SUFFIXES, composed, is_file_name
-from omnivat.kit.errors import DataError, first_line, printable
+from omnivat.kit.errors import DataError, printable
 from omnivat.kit.files import read_whole
+from omnivat.kit.limited import Limited
 from omnivat.kit.tables import need, suggestion
 
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
@@ -176,26 +178,27 @@ def _sheet(file: Path) -> tuple[str, str, list[list[str]]]:
     """Return a sheet's name, that of the sheet that is shown, and the sheet's rows; each cell of
     merged ones has their text.
     """
-    openpyxl = need("openpyxl", purpose="reading .xlsx; or save the table as CSV")
-    read_whole(file, MOST_TEXT, show(file))
-    try:
-        book = openpyxl.load_workbook(file, data_only=True)
-        shown = book.active
-        for sheet in [shown, *(one for one in book.worksheets if one is not shown)]:
-            cells = [["" if cell is None else str(cell) for cell in row] for row in sheet.values]
-            if any(is_file_name(cell) for row in cells for cell in row):
-                break
-        else:
-            sheet = shown
-            cells = [["" if cell is None else str(cell) for cell in row] for row in sheet.values]
-        for one in sheet.merged_cells.ranges:
-            for row, column in one.cells:
-                cells[row - 1][column - 1] = cells[one.min_row - 1][one.min_col - 1]
-        return sheet.title, shown.title, cells
-    except Exception as error:  # openpyxl and zipfile have many kinds
-        raise DataError(
-            f"'{show(file)}' cannot be read ({first_line(error)}); save it as CSV."
-        ) from error
+    need("openpyxl", purpose="reading .xlsx; or save the table as CSV")
+    ((found, _),) = read_sheet.read(file, "save it as CSV")
+    return found["name"], found["first"], found["rows"]
+
+
+def sheet(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
+    """Return what `_sheet` does. Runs in the limited process."""
+    openpyxl = need("openpyxl", purpose="reading .xlsx")
+    book = openpyxl.load_workbook(file, data_only=True)
+    shown = book.active
+    for one in [shown, *(one for one in book.worksheets if one is not shown), shown]:
+        cells = [["" if cell is None else str(cell) for cell in row] for row in one.values]
+        if any(is_file_name(cell) for row in cells for cell in row):
+            break
+    for merged in one.merged_cells.ranges:
+        for row, column in merged.cells:
+            cells[row - 1][column - 1] = cells[merged.min_row - 1][merged.min_col - 1]
+    return {"name": one.title, "first": shown.title, "rows": cells}, b""
+
+
+read_sheet = Limited(f"{__name__}:sheet", seconds=30)
 
 
 def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str]]:

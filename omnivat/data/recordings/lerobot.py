@@ -12,8 +12,9 @@ from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import cameras_among, checked_split, set_name, split_of
+from omnivat.data.parquet import parquet_rows
 from omnivat.data.readers.files import number_in, read_labels, read_lines, show
-from omnivat.data.recordings.tracks import Clip, Film, Track, parquet_rows, stored
+from omnivat.data.recordings.tracks import Clip, Film, Track, stored
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in, read_object
 

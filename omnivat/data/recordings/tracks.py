@@ -3,7 +3,6 @@ frames that a file holds.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,26 +11,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.images import UPRIGHT, check_size, read_image
+from omnivat.data.images import read_image
+from omnivat.data.parquet import parquet_cells
 from omnivat.data.readers.files import show
-from omnivat.kit.errors import DataError, first_line
-from omnivat.kit.files import require_regular
+from omnivat.data.recordings.films import NEAR, read_film, step_of
+from omnivat.kit.errors import DataError
 from omnivat.kit.tables import need
 
 if TYPE_CHECKING:
     from PIL import Image
-
-EARLIER = 10.0  # seconds before a film's start: a transport stream is sought by its bytes
-NEAR = 0.25  # of a frame: a picture so little later counts as shown
-EXIF_OF = {  # signs of a film's display matrix (x from x, y from x, x from y, y from y)
-    (-1, 0, 0, 1): 2,
-    (-1, 0, 0, -1): 3,
-    (1, 0, 0, -1): 4,
-    (0, 1, 1, 0): 5,
-    (0, 1, -1, 0): 6,
-    (0, -1, -1, 0): 7,
-    (0, -1, 1, 0): 8,
-}
 
 
 class Track(Protocol):
@@ -86,49 +74,28 @@ class Film:
         """As `Track`."""
         if self.fps and length is not None:
             return np.arange(int(length * self.fps + 0.5)) / self.fps, length
-        times, end = self._times
+        times, end, _ = self._times
         end = end - self.start if length is None else length
         return _within(times - self.start, end), end
 
     @cached_property
-    def _times(self) -> tuple[NDArray[np.float64], float]:
-        """When each picture appears, and when the last one ends."""
-        container, stream = _opened(self.file)
-        with container, _explained(self.file, "its end"):
-            found = sorted(
-                (packet.dts if packet.pts is None else packet.pts, packet.duration or 0)
-                for packet in container.demux(stream)
-                if packet.size and not packet.is_discard
-            )
-            # a closed container has freed what its stream reads
-            unit, origin, other = float(stream.time_base), _origin(stream), _rate_step(stream)
-        if not found:
-            raise DataError(f"'{show(self.file)}' has no pictures; export it as MP4.")
-        times = np.array([stamp for stamp, _ in found]) * unit - origin
-        return times, float(times[-1] + max(found[-1][1] * unit, _step(times, other)))
+    def _times(self) -> tuple[NDArray[np.float64], float, float]:
+        """When each picture appears, when the last one ends, and the seconds between two."""
+        ((about, content),) = self._read()
+        return np.frombuffer(content), about["end"], about["step"]
 
     def pictures(self, moments: Sequence[float]) -> "Iterator[Image.Image]":
         """As `Track`."""
-        container, stream = _opened(self.file)
+        from PIL import Image
+
         waiting = [self.start + moment for moment in moments]
-        step = 1 / self.fps if self.fps else _step(self._times[0], _rate_step(stream))
-        last, shown = None, 0.0
-        with container, _explained(self.file, f"{waiting[0]:.2f} s"):
-            for frame in _decoded(container, stream, waiting[0] + NEAR * step):
-                check_size(frame.width, frame.height, show(self.file))  # it may change
-                shown = (frame.time or 0.0) - _origin(stream)
-                while waiting and last is not None and shown > waiting[0] + NEAR * step:
-                    yield _upright(last)  # the one shown at that moment
-                    waiting.pop(0)
-                if not waiting:
-                    return
-                last = frame
-            end = shown + 1.5 * step if self.fps else self._times[1]
-            while waiting and last is not None and waiting[0] <= end:
-                yield _upright(last)
-                waiting.pop(0)
-        if waiting:
-            raise DataError(f"'{show(self.file)}' ends before {waiting[0]:.2f} s.")
+        _, end, step = (None, None, 1 / self.fps) if self.fps else self._times
+        for about, pixels in self._read(waiting=waiting, step=step, end=end):
+            yield Image.frombytes("RGB", about["size"], pixels)
+
+    def _read(self, **of: Any) -> Iterator[tuple[Any, bytes]]:
+        need("av", purpose="reading videos")
+        return read_film.read(self.file, "export it as MP4", name=show(self.file), **of)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,12 +114,12 @@ class Frames:
         """As `Track`."""
         times = np.array(self.times, float)
         if length is None:
-            length = float(times[-1] + _step(times)) if len(times) else 0.0
+            length = float(times[-1] + step_of(times)) if len(times) else 0.0
         return _within(times, length), length
 
     def pictures(self, moments: Sequence[float]) -> "Iterator[Image.Image]":
         """As `Track`."""
-        near = NEAR * _step(np.array(self.times, float))
+        near = NEAR * step_of(np.array(self.times, float))
         for moment in moments:
             number = int(np.searchsorted(self.times, moment + near, side="right")) - 1
             if number < 0:
@@ -166,92 +133,13 @@ def _within(times: NDArray[np.float64], end: float) -> NDArray[np.float64]:
     return np.concatenate([held, times[(times > 0) & (times < end)]])
 
 
-def _step(times: NDArray[np.float64], alone: float = 1 / 30) -> float:
-    """Return the seconds between two pictures; `alone` for a single one."""
-    return float(np.median(np.diff(times))) if len(times) > 1 else alone
-
-
-def _rate_step(stream: Any) -> float:
-    return 1 / float(stream.average_rate or 30)
-
-
-def _opened(file: Path) -> tuple[Any, Any]:
-    av = need("av", purpose="reading videos")
-    require_regular(file, show(file))
-    try:
-        container = av.open(str(file), metadata_errors="replace")
-        stream = container.streams.video[0]
-        width, height = stream.width, stream.height
-    except Exception as error:  # PyAV has many kinds for damaged files
-        raise DataError(
-            f"'{show(file)}' is no video that can be read; export it as MP4."
-        ) from error
-    if width:  # 0 if the container does not state it
-        check_size(width, height, show(file))
-    return container, stream
-
-
-def _origin(stream: Any) -> float:
-    return float((stream.start_time or 0) * stream.time_base)
-
-
-@contextmanager
-def _explained(file: Path, where: str) -> Iterator[None]:
-    try:
-        yield
-    except DataError:
-        raise
-    except Exception as error:  # PyAV has many kinds for damaged files
-        raise DataError(f"'{show(file)}' is damaged near {where}.") from error
-
-
-def _decoded(container: Any, stream: Any, moment: float) -> Iterator[Any]:
-    """Yield frames from one that is shown at `moment` or earlier; a film without an index is
-    decoded from its start, which some are sought before.
-    """
-    for seconds in (moment, -EARLIER):
-        container.seek(int((seconds + _origin(stream)) / stream.time_base), stream=stream)
-        frames = container.decode(stream)
-        first = next(frames, None)
-        if first is not None and ((first.time or 0.0) - _origin(stream) <= moment or seconds < 0):
-            yield first
-            yield from frames
-            return
-
-
-def _upright(frame: Any) -> "Image.Image":
-    """Return a frame as its film says that it is to be shown: turned or mirrored."""
-    image: Image.Image = frame.to_image()
-    matrix = frame.side_data.get("DISPLAYMATRIX")
-    if matrix is None:
-        return image
-    a, b, _, c, d = np.sign(np.frombuffer(bytes(matrix), "<i4")[:5]).tolist()
-    turn = UPRIGHT.get(EXIF_OF.get((a, b, c, d), 1))
-    return image if turn is None else image.transpose(turn)
-
-
 def stored(file: Path, column: str, episode: int, fps: float) -> Frames:
     """Return the pictures of an episode in a column of a Parquet file."""
-    rows = parquet_rows(file, [column], [("episode_index", "=", episode)])
+    contents = parquet_cells(file, column, episode)
 
     def picture(number: int) -> "Image.Image":
-        cell = rows[number].get(column)
-        content = cell.get("bytes") if isinstance(cell, dict) else None
-        if not isinstance(content, bytes) or not content:  # a text would be read as a path
+        if not contents[number]:
             raise DataError(f"'{show(file)}' has no picture '{column}' in row {number}.")
-        return read_image(content, f"{file.name}, row {number}")
+        return read_image(contents[number], f"{file.name}, row {number}")
 
-    return Frames(file=file, times=[k / fps for k in range(len(rows))], picture=picture)
-
-
-def parquet_rows(
-    file: Path, columns: list[str] | None = None, filters: Any = None
-) -> list[dict[str, Any]]:
-    """Return rows of a Parquet file; raises DataError if it cannot be read."""
-    require_regular(file, show(file))
-    parquet = need("pyarrow.parquet", purpose="reading LeRobot data sets", install="pyarrow")
-    try:
-        table = parquet.read_table(file, columns=columns, filters=filters)
-    except Exception as error:  # pyarrow has its own kinds for damaged files
-        raise DataError(f"'{show(file)}' cannot be read ({first_line(error)}).") from error
-    return list(table.to_pylist())
+    return Frames(file=file, times=[k / fps for k in range(len(contents))], picture=picture)

@@ -1,6 +1,7 @@
 """`omnivat import`: embeddings made elsewhere, from each kind of file, checked and named."""
 
 import csv
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from omnivat.data.columns import columns_of
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
+from omnivat.kit.limited import Limited
 from omnivat.study.shift import read_features
 
 COUNT = 6
@@ -308,3 +310,25 @@ def test_plain_safetensors_and_vectors_of_one_modality_are_a_set(table, tmp_path
     assert again.header.origin == "imported from a.safetensors; tac is 'touch'"
     np.testing.assert_array_equal(again.vis, table["tac"])
     assert read_features(out).modalities == ("tac",)
+
+
+def test_an_npz_that_states_far_more_than_its_own_size_is_refused(tmp_path, monkeypatch):
+    np.savez_compressed(tmp_path / "a.npz", vis=np.zeros(100_000, np.uint8))
+    monkeypatch.setattr("omnivat.data.columns.MEMORY", 90_000)
+    with pytest.raises(DataError, match="states an array of .* save it again"):
+        columns_of(tmp_path / "a.npz")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
+def test_a_small_parquet_file_of_countless_rows_does_not_fill_memory(tmp_path, monkeypatch):
+    pyarrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    rows = pyarrow.table({"vis": np.zeros(5_000_000, np.int64)})
+    with parquet.ParquetWriter(tmp_path / "a.parquet", rows.schema) as writer:
+        for _ in range(8):
+            writer.write_table(rows)
+    assert (tmp_path / "a.parquet").stat().st_size < 1_000_000
+    small = Limited("omnivat.data.parquet:part", memory=400_000_000, seconds=30)
+    monkeypatch.setattr("omnivat.data.parquet.read_part", small)
+    with pytest.raises(DataError, match=r"a.parquet' takes more memory or time .*again\.$"):
+        columns_of(tmp_path / "a.parquet").get("vis")
+    small.close()

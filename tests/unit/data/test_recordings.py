@@ -14,7 +14,7 @@ from omnivat.cli import main
 from omnivat.data.materials import NO_CLASS
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
-from omnivat.data.recordings.tracks import Film
+from omnivat.data.recordings.films import decoded
 from omnivat.kit.errors import DataError, MissingPackageError, SettingsError, WriteError
 from tests.unit.data.films import FPS, film
 
@@ -258,7 +258,7 @@ def test_a_film_of_too_many_pixels_is_refused_before_its_pictures_are_decoded(
     film(tmp_path / "a.mp4", range(0, 200, 20))
     monkeypatch.setattr("omnivat.data.images.MAX_PIXELS", 48 * 48 - 1)
     with pytest.raises(DataError, match="is 48 × 48 pixels, more than"):
-        next(Film(file=tmp_path / "a.mp4").pictures([0.0]))
+        next(decoded(b"", file=str(tmp_path / "a.mp4"), name="a.mp4", waiting=[0.0]))
 
 
 def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
