@@ -6,6 +6,7 @@ from app.shared.mend import mend_in
 from app.shared.pair_input import OTHER, PairRequest, pair_of, rounded
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply
+from omnivat.data.domains import titled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -125,7 +126,7 @@ def training_pairs(resources: Resources, head: "Head") -> "tuple[Index, str]":
     own = np.isin(embeddings.domain, [domains.index(name) for name in learned])
     split = np.array(embeddings.rows["split"], dtype=object)
     keep = own & (split != "test")
-    return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {source}"
+    return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {titled(source)}"
 
 
 def _nearest(

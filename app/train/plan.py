@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 from app.shared.resources import Resources
 from app.shared.state import Question, one_of
-from omnivat.data.domains import DOMAINS, SIMULATED_SUFFIX
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -29,12 +28,6 @@ NUMBERS: dict[str, tuple[str, float, float, float]] = {
     "epochs": ("epochs", 5, 150, 120),
     "seed": ("seed", 0, 999, 0),
 }
-
-
-def titled(domain: str) -> str:
-    """Return a domain by its sensor and data set; one of a visitor's set keeps its name."""
-    known = DOMAINS.get(name := domain.removesuffix(SIMULATED_SUFFIX))
-    return known.title if known else name
 
 
 def offered(resources: Resources) -> tuple[list[str], str, bool]:

@@ -16,8 +16,9 @@ from app.shared.resources import Resources
 from app.shared.state import ForgottenError, Recent
 from app.shared.visitor_sets import VisitorSets
 from app.train import words
-from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered, titled
+from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered
 from app.train.runs import KEPT_RUNS, Run, Trainings
+from omnivat.data.domains import titled
 from omnivat.kit.errors import DataError, OmniVatError
 
 if TYPE_CHECKING:

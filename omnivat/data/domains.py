@@ -49,6 +49,16 @@ def sensor_of(domain: str) -> str:
     return known.sensor if known else domain
 
 
+def titled(domain: str) -> str:
+    """Return a domain by its sensor and data set; an unknown one keeps its name.
+
+    >>> titled("TAG-sim"), titled("my-sensor")
+    ('GelSight (TAG)', 'my-sensor')
+    """
+    known = DOMAINS.get(name := paper_name(domain))
+    return known.title if known else name
+
+
 def simulated(name: str) -> str:
     """Return the name of the simulated stand-in of a domain: "TAG" gives "TAG-sim"."""
     return name + SIMULATED_SUFFIX

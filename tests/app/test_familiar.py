@@ -36,7 +36,7 @@ def test_the_nearest_pairs_are_training_pairs_and_never_the_pair_itself(resource
     near = got["images"]["vis"]["nearest"]
     assert [one["pair"] for one in near] == wanted.tolist()
     assert [one["cosine"] for one in near] == pytest.approx(cosines[wanted], abs=1e-3)
-    assert got["of"] == "the training pairs of TAG-sim"
+    assert got["of"] == "the training pairs of GelSight (TAG)"
     assert all(embeddings.domain[one["pair"]] == 0 for one in got["images"]["tac"]["nearest"])
 
 
