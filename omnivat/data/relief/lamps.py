@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     True
     """
     if not isinstance(pictures, Iterable) or getattr(pictures, "ndim", 0) == 3:
-        pictures = [pictures]  # a single one, or none at all
+        pictures = cast("Iterable[Array]", [pictures])  # a single one, or none at all
     small = [reduced(clean(picture, dots), REDUCED) for picture in pictures]
     if len(small) < FEWEST:
         there = "is 1" if len(small) == 1 else f"are {len(small) or 'none'}"
