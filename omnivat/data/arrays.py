@@ -8,6 +8,7 @@ numbers.
 import json
 import mmap
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -102,6 +103,18 @@ def copied(array: NDArray[Any]) -> NDArray[np.float32]:
     if not array.flags.writeable:
         released(array)
     return whole
+
+
+def row_numbers(rows: Any, count: int) -> NDArray[np.int64]:
+    """Return numbers of rows, of `count`, or those where a mask is true. Raises DataError."""
+    with suppress(Exception):  # an object of others may raise any
+        found = np.asarray(rows)
+        if found.dtype == bool and found.shape == (count,):
+            return np.flatnonzero(found)
+        whole = found.dtype.kind in "iu" or not found.size
+        if whole and found.ndim == 1 and bool(((found >= -count) & (found < count)).all()):
+            return found.astype(np.int64)
+    raise DataError(f"Rows are whole numbers below {count} in one list; others were given.")
 
 
 def walked(

@@ -95,10 +95,10 @@ class Embeddings:
                 or own.ndim != 2
                 or own.dtype not in (np.float16, np.float32, np.float64)
             ):
+                came = f"{own.shape} of {own.dtype}" if isinstance(own, np.ndarray) else type(own)
                 raise ShapeError(
-                    f"{name} should be a NumPy array (N, D) of floating-point numbers, not"
-                    f" {type(own).__name__}{getattr(own, 'shape', '')} of"
-                    f" {getattr(own, 'dtype', 'no type')}; convert it first."
+                    f"{name} should be a NumPy array (N, D) of floating-point numbers, not {came};"
+                    " convert it first."
                 )
             shapes[name] = own.shape
         if set(shapes.values()) != {(len(self.label), self.vis.shape[1])}:

@@ -85,7 +85,7 @@ def import_embeddings(
             f"'{place}' has no vectors 'vis' or 'tac'; it has"
             f" {', '.join(table.names) or 'nothing'}. Name the right ones with --column vis=THEIRS."
         )
-    count = len(found[there[0]])
+    count = len(np.atleast_1d(found[there[0]]))  # a single number is refused with the others
     mirrored = all(f"{name}_flip" in found for name in there)
     vectors = {
         name: _vectors(found[name], name, count, table)

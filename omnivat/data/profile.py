@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.arrays import LARGE_BYTES, require_range, walked
+from omnivat.data.arrays import LARGE_BYTES, require_range, row_numbers, walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
 from omnivat.data.relief.files import RELIEF
@@ -143,7 +143,7 @@ def profile_of(
 ) -> Profile:
     """Return the profile of some pairs (None: all). Their labels are not read.
 
-    Raises DataError without pairs.
+    Raises DataError without pairs, and for rows that are not there.
 
     >>> from omnivat import default_embeddings, load_embeddings
     >>> pairs = load_embeddings(default_embeddings())
@@ -152,6 +152,8 @@ def profile_of(
     >>> profile.counts, profile.channels["tac"].mean.shape
     ({'vis': 20, 'tac': 20}, (1280,))
     """
+    if rows is not None:
+        rows = row_numbers(rows, len(embeddings))
     return Profile(
         channels={name: channels_of(getattr(embeddings, name), rows) for name in modalities},
         key=embeddings.header.key,

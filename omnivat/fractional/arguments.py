@@ -6,39 +6,13 @@ import math
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-import numpy as np
 import torch
-from jaxtyping import Float64, Inexact, Shaped
+from jaxtyping import Float64, Shaped
 from torch import Tensor
 from torch.autograd.forward_ad import unpack_dual
 
-from omnivat.kit.errors import DataError, SettingsError, ShapeError, first_line
-
-_KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
-
-
-def tensor_of(x: Tensor | Any) -> Tensor:
-    """Return a tensor as it is, and an array or list of numbers as one in single or double
-    precision. Raises DataError for anything else.
-    """
-    if isinstance(x, Tensor):
-        return x
-    try:
-        array = np.asarray(x)
-    except ValueError as error:  # a list of lists of differing lengths
-        raise DataError(f"x is no array of numbers ({first_line(error)}).") from error
-    if array.dtype.kind not in "fcbiu":
-        raise DataError(f"x holds values of type {array.dtype}; give a tensor or array of numbers.")
-    kind, parts = ("c", 2) if array.dtype.kind == "c" else ("f", 1)
-    wide = array.dtype.kind in "fc" and array.dtype.itemsize > 4 * parts
-    return torch.from_numpy(array.astype(f"{kind}{(8 if wide else 4) * parts}"))
-
-
-def working_precision(x: Shaped[Tensor, "..."]) -> Inexact[Tensor, "..."]:
-    """Convert half precision, integers and booleans to single precision."""
-    if x.dtype in _KEPT:
-        return x
-    return x.to(torch.complex64 if x.is_complex() else torch.float32)
+from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.shapes import dense
 
 
 def axis_from_end(x: Shaped[Tensor, "..."], dim: int) -> int:
@@ -82,13 +56,16 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[
         turns = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
     except (TypeError, ValueError, OverflowError, RuntimeError) as error:
         raise SettingsError(
-            f"The order is {order!r}, expected a finite real number, or a tensor of them."
+            f"The order is {order!r:.60}, expected a finite real number, or a tensor of them."
         ) from error
     if turns.is_complex():
         raise SettingsError(f"The order is complex ({turns.dtype}), expected real quarter turns.")
+    turns = dense("The order", turns, torch.float64)
+    if turns.is_meta and device.type != "meta":
+        raise SettingsError("The order has no values, as it is a meta tensor; give quarter turns.")
     if readable(turns) and not bool(torch.isfinite(turns).all()):
         raise SettingsError("The order holds NaN or infinity, expected finite quarter turns.")
-    return turns.to(device=device, dtype=torch.float64)
+    return turns.to(device)
 
 
 def full_precision(device: torch.device) -> AbstractContextManager[object]:

@@ -13,18 +13,12 @@ from jaxtyping import Complex, Float, Float64, Inexact, Shaped
 from torch import Tensor, nn
 
 from omnivat.fractional import gradients
-from omnivat.fractional.arguments import (
-    axis_from_end,
-    checked_order,
-    full_precision,
-    readable,
-    tensor_of,
-    working_precision,
-)
+from omnivat.fractional.arguments import axis_from_end, checked_order, full_precision, readable
 from omnivat.fractional.batches import product_rows
 from omnivat.fractional.build import split_for
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.kit.errors import ShapeError
+from omnivat.kit.errors import DataError, ShapeError
+from omnivat.kit.shapes import tensor_of
 
 
 def coefficients(
@@ -44,9 +38,8 @@ def coefficients(
     >>> all(torch.allclose(synthesise(kept, p), dfrft(x, p), atol=1e-5) for p in (0.2, 0.35, 0.5))
     True
     """
-    x = tensor_of(x)
+    x = tensor_of("x", x)
     dim = axis_from_end(x, dim)
-    x = working_precision(x)
     if centered:
         x = torch.fft.ifftshift(x, dim)
     x = x.movedim(dim, -1)
@@ -63,12 +56,17 @@ def synthesise(
     each row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period
     4. planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N).
 
-    Raises SettingsError for NaN or infinite orders, ShapeError if the axes do not fit.
+    Raises SettingsError for NaN or infinite orders, ShapeError if the axes do not fit, DataError
+    for anything but coefficients and for a sparse, nested or quantised order.
 
     >>> x, orders = torch.randn(3, 64), torch.linspace(0, 1, 11)
     >>> tuple(synthesise(coefficients(x), orders[:, None]).shape)  # all orders of all rows
     (11, 3, 64)
     """
+    if not isinstance(coefficients, Coefficients):
+        raise DataError(
+            f"{type(coefficients).__name__} was given; give coefficients(x), or call dfrft(x, p)."
+        )
     values, dim = coefficients.values, coefficients.dim
     p = checked_order(order, values.device)
     lead = values.shape[:-1]  # of the result
@@ -138,7 +136,7 @@ def dfrft(
     >>> p.grad.isfinite().item()
     True
     """
-    x = tensor_of(x)
+    x = tensor_of("x", x)
     wants_gradient = torch.is_grad_enabled() and (
         x.requires_grad or (isinstance(order, Tensor) and order.requires_grad)
     )
@@ -147,7 +145,7 @@ def dfrft(
     by_fft = turns in (1, 3)
     if turns is None or (by_fft and not fft_is_exact(x.shape[dim])):
         return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
-    result = quarter_turn(working_precision(x), turns, dim, centered=centered)
+    result = quarter_turn(x, turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
 
 

@@ -15,6 +15,8 @@ from omnivat.head.dtg import grow
 from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa
 from omnivat.head.output import HeadOutput, Lessons, joined
 from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import ShapeError
+from omnivat.kit.shapes import floating
 from omnivat.kit.threads import FEW_PAIRS, one_thread
 
 CHUNK = 512  # pairs predicted at once
@@ -69,7 +71,8 @@ class OmniVaT(Body):
         attention: bool = False,
     ) -> HeadOutput:
         """Predict from raw embeddings of B pairs; see `coefficients` and `from_coefficients`."""
-        few = all(len(rows) <= FEW_PAIRS for rows in (vis, tac) if rows is not None)
+        vis, tac = (e if e is None else floating(n, e) for n, e in (("vis", vis), ("tac", tac)))
+        few = all(rows.shape[:1] <= (FEW_PAIRS,) for rows in (vis, tac) if rows is not None)
         with one_thread(few):
             kept = self.coefficients(vis, tac)
             return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
@@ -180,7 +183,9 @@ class OmniVaT(Body):
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
-    """Return the orders of some pairs; a single order serves all."""
+    """Return the orders of some pairs; a single order serves all. Raises ShapeError."""
+    if isinstance(order, Tensor) and order.ndim > 2:  # (M, 1): one a modality
+        raise ShapeError(f"The order has {order.ndim} axes; give one, or one a pair, (B,).")
     return (
         order[rows] if isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1 else order
     )

@@ -19,7 +19,7 @@ from torch.nn.functional import normalize, pad
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
 from omnivat.head.ridge import Labels, Ridge, ridge, sharpness
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, ShapeError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.shapes import floating, require_finite, require_shapes
 from omnivat.kit.stages import IMAGES
@@ -167,6 +167,9 @@ class Work:
                 f"There are {len(lessons):,} lessons and at most {MOST:,} are taken; train a head "
                 "with `python -m omnivat train` instead."
             )
+        for rows in (getattr(one, name) for one in lessons for name in IMAGES):
+            if rows is not None and len(rows) != 1:
+                raise ShapeError(f"A lesson has {len(rows)} rows; give one of each image, (1, W).")
         self.head, self.lessons = head, lessons
         self.classes = tuple(
             dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)])

@@ -7,8 +7,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from omnivat.kit.errors import DataError, ShapeError
+from omnivat.kit.errors import DataError, ShapeError, first_line
 
+KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
 SUMMED = 1e15  # the largest value whose square can be summed in single precision
 
 
@@ -65,24 +66,49 @@ def features(least: int = 1, *, most: float = float("inf"), **sets: Any) -> list
     return [values.to(wide) for values in found.values()]
 
 
-def floating(name: str, values: Any) -> Tensor:
-    """Return numbers of any kind as a tensor in single or double precision. Raises DataError for
-    anything else.
+def floating(name: str, numbers: Any) -> Tensor:
+    """Return real numbers of any kind as a tensor in single or double precision. Raises DataError
+    for anything else.
+    """
+    values = tensor_of(name, numbers)
+    if values.is_complex():
+        raise DataError(f"{name} has complex numbers; give their real part or their modulus.")
+    if values.is_meta:
+        raise DataError(f"{name} has no values; give a dense tensor.")
+    return values
+
+
+def tensor_of(name: str, values: Any) -> Tensor:
+    """Return numbers of any kind, a tensor, an array or a list, as a dense tensor in single or
+    double precision, real or complex. Raises DataError for anything else.
     """
     if not isinstance(values, Tensor):
         try:
             array = np.asarray(values)
-        except ValueError as error:
-            raise DataError(f"{name} has rows of several lengths; give rows of one.") from error
-        if array.dtype.kind not in "fiub":
-            raise DataError(f"{name} holds values of type {array.dtype}; give real numbers.")
-        values = torch.from_numpy(array.astype("f8" if array.dtype.itemsize > 4 else "f4"))
-    if values.is_complex():
-        raise DataError(f"{name} has complex numbers; give their real part or their modulus.")
-    if values.layout != torch.strided or values.is_meta:
-        raise DataError(f"{name} is sparse or has no values; give a dense tensor.")
-    found: Tensor = values if values.dtype in (torch.float32, torch.float64) else values.float()
-    return found
+        except Exception as error:  # of rows of several lengths, and any of an object of others
+            raise DataError(
+                f"{name} has rows of several lengths, or is no array ({first_line(error)}); give an"
+                " array of numbers."
+            ) from error
+        if array.dtype.kind not in "fcbiu":
+            raise DataError(f"{name} holds values of type {array.dtype}; give numbers.")
+        kind, parts = ("c", 2) if array.dtype.kind == "c" else ("f", 1)
+        wide = array.dtype.itemsize > 4 * parts
+        return torch.from_numpy(array.astype(f"{kind}{(8 if wide else 4) * parts}"))
+    single = torch.complex64 if values.is_complex() else torch.float32
+    return dense(name, values, values.dtype if values.dtype in KEPT else single)
+
+
+def dense(name: str, values: Tensor, dtype: torch.dtype) -> Tensor:
+    """Return a tensor of numbers in a precision. Raises DataError for a sparse, nested or quantised
+    one.
+    """
+    if values.layout != torch.strided or values.is_nested:
+        raise DataError(f"{name} is sparse or nested; give a dense tensor.")
+    try:
+        return values.to(dtype)
+    except (RuntimeError, NotImplementedError) as error:  # of quantised numbers and bits
+        raise DataError(f"{name} holds values of type {values.dtype}; give numbers.") from error
 
 
 def require_finite(name: str, rows: Tensor, most: float = float("inf")) -> None:

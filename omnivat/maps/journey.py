@@ -143,6 +143,8 @@ def journey(
         )
         through.append(stop)
         outputs.append((out, nodes))
+    if not flat:
+        raise DataError("A journey needs one stop or more; give those of map_stops.")
     images = kept.names
     whole = {name: torch.stack([each[name] for each in flat]) for name in flat[0]}
     nodes = torch.stack([nodes for _, nodes in outputs])

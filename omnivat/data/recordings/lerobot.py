@@ -175,7 +175,10 @@ def filled(template: object, names: Mapping[str, object], what: str) -> str:
     Raises DataError for another name.
     """
     try:
-        return PLACE.sub(lambda place: format(names[place[1]], place[2]), str(template))
+        found = PLACE.sub(lambda place: format(names[place[1]], place[2]), str(template))
+        if "\0" in found:
+            raise ValueError("no file's name holds it")
+        return found
     except (KeyError, ValueError) as error:
         allowed = ", ".join(f"{{{name}}}" for name in names)
         raise DataError(

@@ -1,8 +1,9 @@
 """The lamps of a gel, from a few of its pictures without labels."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -63,6 +64,14 @@ class Lamps:
     steepness: float | None = None
 
 
+def several(pictures: Any) -> Iterator[Any]:
+    """Return pictures one by one; a single one, or what is none at all, alone."""
+    with suppress(TypeError, RuntimeError):
+        if getattr(pictures, "ndim", 0) != 3:
+            return iter(pictures)
+    return iter([pictures])
+
+
 def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     """Return the lamps of the gel that touched in all `pictures`, each (H, W, 3) uint8.
 
@@ -86,9 +95,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     >>> bool(abs((found * lit).sum()) > 0.99 * np.linalg.norm(found) * np.linalg.norm(lit))
     True
     """
-    if not isinstance(pictures, Iterable) or getattr(pictures, "ndim", 0) == 3:
-        pictures = cast("Iterable[Array]", [pictures])  # a single one, or none at all
-    small = [reduced(clean(picture, dots), REDUCED) for picture in pictures]
+    small = [reduced(clean(picture, dots), REDUCED) for picture in several(pictures)]
     if len(small) < FEWEST:
         there = "is 1" if len(small) == 1 else f"are {len(small) or 'none'}"
         raise UnsettledError(

@@ -15,6 +15,7 @@ from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT
 from omnivat.kit.files import write_csv, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.shapes import floating, require_shapes
 from omnivat.kit.stages import STILL
 from omnivat.maps.sweep.walk import AtOrder, require_known, walk
 from omnivat.measure.gaps.measures import (
@@ -94,6 +95,9 @@ def sweep(
     >>> found.curves["modality_gap/f_hat"].shape
     (2,)
     """
+    given = floating("orders", orders)
+    require_shapes(orders=(given, "P"))
+    orders = given.tolist()
     require_known(measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")
     classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
     predictions = any(name in PREDICTION_MEASURES for name in measures)

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from omnivat.data.relief import Lamps, NoLampsError, UnsettledError, lamps
 from omnivat.data.relief.filters import blurred, fast, scale
+from omnivat.data.relief.lamps import several
 from omnivat.kit.errors import DataError
 from omnivat.measure.card.traits import Array, Traits, traits_of
 
@@ -70,7 +72,7 @@ def card_of(pictures: Iterable[Array]) -> SensorCard:
 
     Raises DataError for fewer than FEWEST pictures.
     """
-    return summed([traits_of(picture) for picture, _ in zip(pictures, range(MOST), strict=False)])
+    return summed([traits_of(picture) for picture in islice(several(pictures), MOST)])
 
 
 def summed(read: list[Traits]) -> SensorCard:

@@ -290,6 +290,7 @@ def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
         ({"data_path": "../../{episode_index}.parquet"}, "leads out of"),
         ({"data_path": "{nobody}"}, "is '{nobody}'; it may hold {video_key}, {episode_index}"),
         ({"data_path": "{video_key:03d}"}, "it may hold"),
+        ({"data_path": "data/\0.parquet"}, "it may hold"),
         ({"data_path": "{episode_index:999999999d}"}, "9d}' cannot be read"),
         ({"data_path": "{episode_index.real.__class__}"}, "__}' cannot be read"),
         ({"features": []}, "No camera of .* is called tactile"),
