@@ -14,7 +14,7 @@ from torch.nn.functional import cross_entropy, normalize
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import STEP_SHIFTED, Channels, profile_of, standardised
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
-from omnivat.head.linear_maps import FittedMaps
+from omnivat.head.linear_maps import FittedMaps, fit_maps
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import load
@@ -141,12 +141,18 @@ def _noise_of(digest: str) -> list[str]:
     return []
 
 
-def _fitted_maps(embeddings: Embeddings, source: str, seed: int) -> FittedMaps:
-    pairs = source_of(embeddings, source, seed)
-    chosen = _noise_of(source)
+def noise_of(embeddings: Embeddings, source: str) -> str:
+    """Return the training noise that linear maps choose on a source."""
+    chosen = _noise_of(f"{source}, {embeddings.header.origin}")
     if not chosen:
-        chosen.append(maps_method._chosen(replace(pairs, seed=0)))
-    return _maps(embeddings.header.origin, source, seed, chosen[0], pairs)
+        chosen.append(maps_method._chosen(source_of(embeddings, source, 0)))
+    return chosen[0]
+
+
+def _fitted_maps(embeddings: Embeddings, source: str, seed: int) -> FittedMaps:
+    noise = noise_of(embeddings, source)
+    origin, pairs = embeddings.header.origin, source_of(embeddings, source, seed)
+    return _maps(origin, source, seed, noise, pairs)
 
 
 _KEPT: dict[tuple[str, str, int, int], FittedMaps] = {}
@@ -155,9 +161,27 @@ _KEPT: dict[tuple[str, str, int, int], FittedMaps] = {}
 def _maps(origin: str, source: str, seed: int, noise: str, pairs: Source) -> FittedMaps:
     key = (origin, source, seed, len(pairs))
     if key not in _KEPT:
-        _KEPT.clear()
+        for old in list(_KEPT)[:-1]:  # that of the colours and that of the relief are kept
+            del _KEPT[old]
         _KEPT[key] = maps_method._fitted(pairs, noise)
     return _KEPT[key]
+
+
+def three_maps(colours: Embeddings, drawn: Embeddings, source: str, seed: int) -> FittedMaps:
+    """Train linear maps of photo, touch in colours, touch as relief, and all three side by side;
+    their noise is that of the colours' maps.
+    """
+    rows = colours.rows_of(source, split="train")
+    raw = raw_of(colours, rows) | {"relief": raw_of(drawn, rows)["tac"]}
+    white, shift = maps_method.CANDIDATES[noise_of(colours, source)]
+    return fit_maps(
+        raw,
+        torch.from_numpy(colours.label[rows]),
+        len(colours.header.classes),
+        noise=white,
+        shift=shift,
+        seed=derive_seed(seed, "linear maps"),
+    )
 
 
 def linear_maps(embeddings: Embeddings, source: str, seed: int) -> Learned:

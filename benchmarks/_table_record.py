@@ -25,6 +25,8 @@ ROOT = Path(__file__).resolve().parents[1]
 RECORDS = ROOT / "docs" / "benchmarks"
 CHIRPS = RECORDS / "chirps.jsonl.gz"
 DRAWS = 10_000
+BOTH = "+colours"  # after the name of a method by relief: a head of colours beside it
+THREE = "three_maps"  # linear maps of photo, colours, relief and all three
 Array = NDArray[Any]
 # method -> accuracy in percent (sources, targets, seeds); NaN where absent
 Cells = dict[str, Array]

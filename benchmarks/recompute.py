@@ -218,6 +218,16 @@ def check_relief(count: Count) -> None:
         for rung, cell in zip(rungs, row, strict=True):
             less = minus(by_rung[rung]["omnivat"], by_rung[rung][METHODS[name]])
             count.text(f"by relief, OmniVaT minus {name}, {rung}", cell, drawn(less))
+    for name, row in table(part, "| relief and colours").items():
+        for (rung, _), cell in zip(LIT.values(), row, strict=True):
+            if cell == "–":
+                continue
+            mean, _, gain = cell.partition(" ")
+            alone = METHODS.get(name, "linear_maps")
+            both = by_rung[rung][alone + "+colours" if name in METHODS else "three_maps"]
+            count.compare(f"relief and colours, {name}, {rung}", float(mean), mean_of(both))
+            less = minus(both, by_rung[rung][alone])
+            count.text(f"relief and colours, {name}, {rung}, gain", gain, drawn(less))
 
 
 def triples(count: Count, what: str, text: str, wanted: Sequence[Cells]) -> None:

@@ -70,12 +70,13 @@ def spread(rows: Array, most: int = MOST) -> Array:
 class Reliefs:
     """A set whose touches are read by relief.
 
-    source  every domain by the lamps that it has as a source
-    alone   every touch by its own lamps
+    colours  the set itself
+    source   every domain by the lamps that it has as a source
+    alone    every touch by its own lamps
     """
 
     def __init__(self, colours: Embeddings, folder: Path = FOLDER) -> None:
-        self.folder = folder
+        self.colours, self.folder = colours, folder
         origin = f"{colours.header.origin}, touches by relief"
         self.source, self.alone = (
             replace(

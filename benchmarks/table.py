@@ -20,6 +20,9 @@ stopped run goes on.
 With `--relief`, a method learns and reads touches by relief (`benchmarks.relief` embedded them):
 with nothing known by each touch's own lamps, a20 by these and a profile of 20 pairs, l5 and l20 by
 the lamps of 5 or 20 known pairs and nothing else, n5, n20 and k5 by these lamps beside the rest.
+`NAME+colours` is two heads of one method and seed, which learned relief and colours, and the mean
+of their log-probabilities; the second knows as much of the target by its profile. `three_maps` is
+linear maps of photo, colours, relief and all three.
 """
 
 import argparse
@@ -45,13 +48,17 @@ from benchmarks._table_methods import (
     Raw,
     published,
     raw_of,
+    three_maps,
 )
+from benchmarks._table_record import BOTH, THREE
 from benchmarks.relief import FOLDER, KNOWN, Reliefs, order
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import profile_of
 from omnivat.data.store import load_embeddings
+from omnivat.head.fusion import fused_logs
 from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
+from omnivat.head.linear_maps import FittedMaps
 from omnivat.head.teach import Lesson
 from omnivat.kit.lines import lines
 from omnivat.kit.stages import IMAGES
@@ -61,6 +68,7 @@ from omnivat.measure.ladder import FORMAT, lettered
 from omnivat.measure.predictions import predicted
 from omnivat.measure.readers import Reader
 from omnivat.measure.rungs import ALL, NOTHING, Known, labels, pairs, sensors
+from omnivat.study.baselines.descent import size
 from omnivat.study.protocol.records import append, fingerprint, mend
 
 PICTURES = (1, 5, 20, 50)  # pairs of the target without labels
@@ -262,6 +270,8 @@ def main() -> None:
     parser.add_argument("--relief", action="store_true", help=f"touches by relief, of {FOLDER}")
     parser.add_argument("--pack", action="store_true", help="write them to examples/records, too")
     options = parser.parse_args()
+    if not options.relief and (BOTH in options.methods or THREE in options.methods):
+        parser.error(f"'{THREE}' and names with '{BOTH}' read relief, too; add --relief")
     pin_thread()
     embeddings = load_embeddings(options.embeddings)
     relief = Reliefs(embeddings) if options.relief else None
@@ -292,8 +302,22 @@ def write_run(
     relief: Reliefs | None = None,
 ) -> None:
     """Measure one method on one source with one seed; keep its probabilities for their mean."""
-    run = Measured(embeddings, name, source, seed, relief=relief)
-    shares = run.shares()
+    made = [(embeddings, relief)]
+    if relief and (name.endswith(BOTH) or name == THREE):
+        made.append((relief.colours, None))
+    bare = "nearest_mean" if name == THREE else name.removesuffix(BOTH)  # it needs no training
+    heads = [Measured(one, bare, source, seed, relief=by) for one, by in made]
+    if relief and name == THREE:
+        started = time.perf_counter()
+        maps = three_maps(relief.colours, embeddings, source, seed)
+        cost = time.perf_counter() - started, size(maps.maps)
+        shares = beside(heads[0], heads[1], maps)
+    else:
+        cost = sum(run.seconds for run in heads), sum(run.method.parameters for run in heads)
+        shares, *colours = (one.shares() for one in heads)
+        for rung, drawn in shares.items() if colours else ():
+            logs = (torch.from_numpy(one).log() for one in (drawn, colours[0][as_much(rung)]))
+            shares[rung] = fused_logs("product", *logs).exp().numpy()
     place = kept(out, name, source, seed)
     place.parent.mkdir(parents=True, exist_ok=True)
     packed: dict[str, Any] = {rung: v.astype(np.float16) for rung, v in shares.items()}
@@ -303,13 +327,47 @@ def write_run(
         "method": name,
         "source": source,
         "seed": seed,
-        "heads": 1,
-        "seconds": round(run.seconds, 1),
-        "parameters": run.method.parameters,
+        "heads": 1 if name == THREE else len(heads),
+        "seconds": round(cost[0], 1),
+        "parameters": cost[1],
         "answers": {rung: letters_of(values) for rung, values in shares.items()},
     }
     append(out, line)
-    print(name, source, seed, f"{run.seconds:.1f} s", flush=True)
+    print(name, source, seed, f"{line['seconds']} s", flush=True)
+
+
+def as_much(rung: str) -> str:
+    """Return the rung at which colours know as much of the target as relief does at this one."""
+    if rung.startswith("l"):
+        return "tac" if "touch" in rung else "none"
+    return {"a20": "n20"}.get(rung, rung)
+
+
+def beside(lit: Measured, plain: Measured, maps: FittedMaps) -> dict[str, Array]:
+    """Return the class probabilities of `three_maps` by rung; labels teach them nothing.
+
+    lit, plain  one method by relief and in colours, whose profiles and known pairs are used
+    """
+    found: dict[str, Array] = {}
+    tested = np.flatnonzero(np.array(plain.set.rows["split"]) == "test")
+    for rung, reader, known in lit.steps():
+        if known.labels:
+            continue
+        both = (
+            parts(reader, lit.set, known, seed=lit.seed),
+            parts(plain.reader, plain.set, replace(known, rested=None), seed=lit.seed),
+        )
+        found[rung] = np.full((len(tested), len(reader.classes)), np.nan, np.float32)
+        for drawn, part in zip(*both, strict=True):
+            if (part.domain == reader.source) == (rung == "home"):
+                raw = raw_of(part.embeddings, part.rows)
+                raw["relief"] = raw_of(drawn.embeddings, part.rows)["tac"]
+                if "tac" in rung or "touch" in rung:
+                    del raw["vis"]
+                with torch.inference_mode():
+                    values = maps(raw)["fused"].numpy()
+                found[rung][np.searchsorted(tested, part.rows)] = values
+    return found
 
 
 def kept(out: Path, name: str, source: str, seed: int) -> Path:

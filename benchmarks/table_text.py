@@ -21,9 +21,12 @@ from collections.abc import Iterable
 from benchmarks import sensor
 from benchmarks._markdown import table
 from benchmarks._table_record import (
+    BOTH,
     RECORDS,
     ROOT,
+    THREE,
     Array,
+    Cells,
     Record,
     chirps,
     interval,
@@ -95,7 +98,8 @@ def by_relief(record: Record, relief: Record) -> str:
         gain = less(lit[rung][name], plain[LIT[rung][1]][name])
         return f"{mean_of(lit[rung][name]):.1f} ({gain})"
 
-    methods = sorted(lit["n20"].items(), key=lambda row: -mean_of(row[1]))
+    alone = {name: cells for name, cells in lit["n20"].items() if name in NAMES}
+    methods = sorted(alone.items(), key=lambda row: -mean_of(row[1]))
     return table(
         ["method", "seeds", *(words for words, _ in LIT.values())],
         [[NAMES[m], str(x.shape[2]), *(cell(m, rung) for rung in LIT)] for m, x in methods],
@@ -111,8 +115,25 @@ def leads_by_relief(relief: Record) -> str:
         [
             [NAMES[name], *(less(cells[OURS], cells[name]) for cells in lit)]
             for name in relief.cells("n20")
-            if name != OURS
+            if name in NAMES and name != OURS
         ],
+    )
+
+
+def with_colours(relief: Record) -> str:
+    """Return what reads relief and colours, and in brackets its gain over relief alone."""
+    lit = [relief.cells(rung) for rung in LIT]
+    rows = [[words, n + BOTH, n] for n, words in NAMES.items() if n + BOTH in lit[0]]
+    rows.insert(0, ["Linear maps of photo, colours, relief and all three", THREE, THEIRS])
+
+    def cell(cells: Cells, both: str, alone: str) -> str:
+        if both not in cells:
+            return "–"
+        return f"{mean_of(cells[both]):.1f} ({less(cells[both], cells[alone])})"
+
+    return table(
+        ["relief and colours", *(words for words, _ in LIT.values())],
+        [[words, *(cell(cells, *names) for cells in lit)] for words, *names in rows],
     )
 
 
@@ -264,6 +285,11 @@ that it gives alone; lamps of 5 or 20 are those of pictures without labels.
 
 {leads_by_relief(relief)}
 
+Relief and colours together: linear maps of three inputs (`--methods three_maps`), and two heads of one method and seed with the mean
+of their log-probabilities (`--methods linear_maps+colours`). Three seeds; in brackets, points more than by relief alone:
+
+{with_colours(relief)}
+
 ## What averaging brings
 
 As it comes. With a profile or labels there is no such row: each seed draws other known pairs, so the mean would know more of them.
@@ -322,12 +348,14 @@ def readme(record: Record) -> str:
     relief = Record(RELIEF)
     found = [
         *(relief.cells(rung)[THEIRS] for rung in ("none", "l20", "n20")),
+        relief.cells("n20")[THREE],
         *(record.cells(rung)[THEIRS] for rung in ("none", "n5", "n20")),
         *(chirps()[name] for name in (OURS, "omnivat_p0", THEIRS)),
     ]
     figures = iter([f"{mean_of(cells):.1f}" for cells in found])
     for sentence in (
-        "by relief # % as it comes, # by lamps of 20 pictures, # with their profile",
+        "by relief # % as it comes, # by lamps of 20 pictures, # with their profile, # with colours"
+        " beside",
         "# % as it comes, # with 5 pictures, # with 20",
         "chirps: # % with a search for p, # at p = 0, linear maps #",
     ):

@@ -50,6 +50,42 @@ def test_by_relief_lamps_are_known_of_targets_and_home_has_its_own(embeddings):
     assert not np.array_equal(shares["none"], colours["none"], equal_nan=True)
 
 
+def test_a_head_of_colours_beside_one_of_reliefs_knows_as_much_and_both_decide(
+    embeddings, tmp_path
+):
+    other = replace(embeddings, tac=embeddings.tac[::-1].copy())
+    relief = SimpleNamespace(
+        colours=embeddings, source=other, alone=other, target=lambda known, seed: other
+    )
+    run = "OF Real-sim", 0
+    table.write_run(other, "nearest_mean+colours", *run, tmp_path / "a.jsonl", relief)
+    both = np.load(table.kept(tmp_path / "a.jsonl", "nearest_mean+colours", *run))
+    lit = table.Measured(other, "nearest_mean", *run, relief=relief).shares()
+    plain = table.Measured(embeddings, "nearest_mean", *run).shares()
+    known = {"none": "none", "l20": "none", "a20": "n20", "k5": "k5", "l5, touch": "tac"}
+    for rung, same in known.items():
+        mean = np.sqrt(lit[rung] * plain[same])
+        mean /= mean.sum(1, keepdims=True)
+        assert np.allclose(both[rung], mean, atol=2e-3, equal_nan=True), rung
+
+
+def test_maps_of_three_inputs_read_every_rung_without_labels_and_take_the_photo_once(
+    embeddings, tmp_path
+):
+    no_photo = replace(embeddings, vis=np.zeros_like(embeddings.vis))
+    shares = []
+    for near in (embeddings, no_photo):  # the photo beside the relief is not read
+        relief = SimpleNamespace(colours=embeddings, alone=near, target=lambda *_, own=near: own)
+        table.write_run(embeddings, "three_maps", "OF Real-sim", 0, tmp_path / "a.jsonl", relief)
+        shares.append(np.load(table.kept(tmp_path / "a.jsonl", "three_maps", "OF Real-sim", 0)))
+    assert "n20" in shares[0] and "k5" not in shares[0]
+    home = embeddings.domain[np.array(embeddings.rows["split"]) == "test"] == 1
+    for rung, values in shares[0].items():
+        made = ~np.isnan(values).any(1)
+        assert (made == (home if rung == "home" else ~home)).all(), rung
+        assert np.array_equal(values, shares[1][rung], equal_nan=True), rung
+
+
 @pytest.mark.slow
 def test_the_record_by_relief_holds_what_the_shipped_folder_gives():
     whole, (_, *lines) = load_embeddings(default_embeddings()), all_lines(RELIEF, FORMAT)
