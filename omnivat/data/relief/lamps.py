@@ -54,6 +54,8 @@ class Lamps:
                 of the pictures exceed
     pictures    how many were used
     steepness   true slope, mm in a mm, of a slope of 1; None if no height is known
+
+    Raises DataError for colours or a background of another kind.
     """
 
     colours: Array
@@ -62,6 +64,20 @@ class Lamps:
     confidence: float
     pictures: int
     steepness: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the arrays."""
+        own, behind = self.colours, self.background
+        real = isinstance(own, np.ndarray) and own.shape == (3, 2) and own.dtype.kind in "fiu"
+        if not (real and np.isfinite(own).all()):
+            raise DataError("The lamps' colours are not 3 × 2 finite numbers; make them again.")
+        if behind is not None and not (
+            isinstance(behind, np.ndarray)
+            and behind.dtype == np.uint8
+            and behind.shape[2:] == (3,)
+            and behind.size
+        ):
+            raise DataError("The lamps' background is no (h, w, 3) of uint8; make them again.")
 
 
 def several(pictures: Any) -> Iterator[Any]:

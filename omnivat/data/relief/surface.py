@@ -1,6 +1,7 @@
 """Slopes and heights of a touch, by the lamps of its sensor."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,10 @@ def heights(
             "Heights in mm need one known height beside the pixel's size; call with_known_height"
             " first."
         )
-    unit = 1.0 if pixel is None else pixel * (lamps.steepness or 1.0)
+    size = 1.0 if pixel is None else _number(pixel)
+    if not 0 < size < np.inf:
+        raise DataError(f"A pixel of {pixel!r:.40} mm gives no heights; give a number above 0.")
+    unit = 1.0 if pixel is None else size * (lamps.steepness or 1.0)
     return np.asarray((found - np.median(found)) * np.float32(unit))
 
 
@@ -98,12 +102,21 @@ def with_known_height(lamps: Lamps, picture: Array, *, pixel: float, height: flo
     0.5
     """
     rise = float(np.quantile(heights(picture, lamps), 0.999))
-    if not (pixel > 0 and height > 0 and rise > 0):
+    size, top = _number(pixel), _number(height)
+    if not all(0 < one < np.inf for one in (size, top, rise)):
         raise DataError(
-            f"A pixel of {pixel} mm and a height of {height} mm, with a relief of {rise:.3g}, give"
-            " no scale; all three must be above 0."
+            f"A pixel of {pixel!r:.40} mm and a height of {height!r:.40} mm, with a relief of"
+            f" {rise:.3g}, give no scale; all three must be numbers above 0."
         )
-    return replace(lamps, steepness=height / (pixel * rise))
+    return replace(lamps, steepness=top / (size * rise))
+
+
+def _number(value: Any) -> float:
+    """Return a number, NaN for anything else."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return np.nan
 
 
 def drawn(picture: Array, lamps: Lamps | None = None, *, dots: str = "fill") -> Array:

@@ -141,3 +141,24 @@ def test_one_relief_is_drawn_alike_under_two_gels_even_by_a_picture_alone():
     assert np.corrcoef(pair)[0, 1] > 0.95
     by_lamps = drawn(shown(sheet), lamps(touches(1, 5))).astype(float).ravel()
     assert np.corrcoef(by_lamps, pair[1])[0, 1] > 0.9
+
+
+@pytest.mark.parametrize(
+    "odd", [None, "1", [], np.eye(2), np.full((3, 2), np.nan), np.eye(3, 2) > 0]
+)
+def test_lamps_have_numbers_for_three_colours(odd):
+    found = lamps(touches(1, 3))
+    with pytest.raises(DataError, match=r"3 × 2 finite numbers; make them again\.$"):
+        replace(found, colours=odd)
+
+
+@pytest.mark.parametrize("odd", [None, "x", [], -1, 0, np.nan, np.inf, 10**400])
+def test_only_numbers_above_0_give_a_scale(odd):
+    found, picture = lamps(touches(1, 3)), touches(1, 1)[0]
+    for pixel, height in ((odd, 1.0), (0.1, odd)):
+        with pytest.raises(DataError, match=r"numbers above 0\.$"):
+            with_known_height(found, picture, pixel=pixel, height=height)
+    if odd is not None:
+        known = with_known_height(found, picture, pixel=0.1, height=1.0)
+        with pytest.raises(DataError, match=r"give a number above 0\.$"):
+            heights(picture, known, pixel=odd)
