@@ -14,6 +14,8 @@ from omnivat.kit.limited import Limited
 
 EARLIER = 10.0  # seconds before a film's start: a transport stream is sought by its bytes
 NEAR = 0.25  # of a frame: a picture so little later counts as shown
+# FFmpeg's names; without its lists, which lead to other files
+CONTAINERS = "mov,matroska,avi,mpegts,mpeg,mpegvideo,m4v,flv,asf,ogg,mxf,ivf,dv,h264,hevc,mjpeg"
 BEAT = 8  # frames after which the limits are renewed: a long film may take long
 EXIF_OF = {  # signs of a film's display matrix (x from x, y from x, x from y, y from y)
     (-1, 0, 0, 1): 2,
@@ -45,7 +47,8 @@ def decoded(
     import av
 
     try:
-        container = av.open(file, metadata_errors="replace")
+        how = {"format_whitelist": CONTAINERS}
+        container = av.open(file, metadata_errors="replace", options=how)
         stream = container.streams.video[0]
         width, height = stream.width, stream.height
     except Exception as error:  # PyAV has many kinds for damaged files

@@ -9,6 +9,8 @@ import pytest
 from PIL import Image
 
 from omnivat.data.recordings import clips_of, write_pairs
+from omnivat.data.recordings.tracks import Film
+from omnivat.kit.errors import DataError
 from tests.unit.data.films import MATRICES, film, turned
 
 
@@ -84,3 +86,10 @@ def test_films_of_other_length_and_rate_are_paired_by_time_or_by_share(
     assert shown(tmp_path / "out", "vis") == pytest.approx(photos, abs=1.5)
     assert shown(tmp_path / "out", "tac") == pytest.approx(touches, abs=1.5)
     assert made.unequal == ["row 2 (0.8 s, 2.0 s)"]
+
+
+def test_a_list_of_films_in_place_of_a_film_leads_to_no_other_file(tmp_path):
+    film(tmp_path / "a.mp4", range(100, 120))
+    (tmp_path / "b.mp4").write_text("ffconcat version 1.0\nfile a.mp4\n")
+    with pytest.raises(DataError, match="b.mp4' is no video that can be read"):
+        Film(file=tmp_path / "b.mp4").shown(None)
