@@ -73,8 +73,8 @@ def load_sensor(resources: Resources, file: Path, _: Question) -> Reply:
     from omnivat.data.profile import require_key
     from omnivat.data.profile_file import load_profile
 
-    found = load_profile(file)
     source = resources.head().source_profile
+    found = load_profile(file).read_by(source.key)
     require_key(found, source.key, source.width)
     return _kept(resources, found)
 

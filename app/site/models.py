@@ -174,7 +174,7 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
 
     wanted = resources.head().encoder
     sides = {NAME: SIDE, STRIP: 0}  # of the picture that it reads; 0: any
-    if wanted["name"] not in sides or touch_of(wanted["preprocessing"]) == "relief":
+    if wanted["name"] not in sides or touch_of(wanted["preprocessing"]) != "colours":
         return None
     file = folder / f"encoder-{wanted['weights_hash']}.onnx"
     encoder = for_modality(resources.encoder(), "vis")

@@ -25,12 +25,16 @@ from omnivat.cli.arguments import (
 )
 from omnivat.cli.imports import checked
 from omnivat.data.readers import READERS
-from omnivat.data.relief.files import TOUCH
+from omnivat.data.relief.files import TOUCH, touch_of
 from omnivat.encoders.base import ENCODERS
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
 
 ALONE = "alone"
+TOUCH_HELP = (
+    "read touch in its colours; drawn as its relief (docs/relief.md); or both, one embedding beside"
+    " the other"
+)
 LAMPS = (
     "for the relief: a profile with the lamps of its domain, once or for several domains; alone:"
     " each touch is drawn by itself and nothing is known of a sensor; default: its own touches give"
@@ -69,7 +73,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         engine=one_of(("local", "ray"), "this machine, or a Ray cluster"),
         manifest=one_of(("csv", "parquet"), "kind of the table next to the embeddings"),
         dots=one_of(DOTS, "printed dots of a gel in tactile images: fill them first, or keep them"),
-        touch=one_of(TOUCH, "read touch in its colours, or drawn as its relief (docs/relief.md)"),
+        touch=one_of(TOUCH, TOUCH_HELP),
         lamps=several(LAMPS, "FILE|alone"),
         no_flips=flag("leave out the mirrored copies"),
     )
@@ -142,10 +146,12 @@ def touch_lines(header: "Header") -> list[str]:
     from omnivat.data.arranged import options_of
 
     ways = [f"{name}: touch read with {options_of(way)}" for name, way in header.tac_way.items()]
+    drawn = "in its colours and " * (touch_of(header.preprocessing) == "both")
+    drawn += "drawn as its relief"
     return ways + [
-        f"{name}: each touch drawn as its relief by itself. {one}"
+        f"{name}: each touch {drawn} by itself. {one}"
         if isinstance(one, str)
-        else f"{name}: touch drawn as its relief by lamps from {one.pictures} touches, confidence"
+        else f"{name}: touch {drawn} by lamps from {one.pictures} touches, confidence"
         f" {one.confidence:.2f}"
         for name, one in header.lamps.items()
     ]

@@ -111,7 +111,7 @@ def run(options: argparse.Namespace) -> None:
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
     context = {"head": str(folder), "source": head.source, "encoder": encoder.name, "touch": touch}
-    if touch == "relief":
+    if touch != "colours":
         context["lamps"] = f"of {lamps.pictures} touches" if lamps else "of each touch alone"
     records = [predicted | context for predicted in predictions]
     if options.json:
@@ -175,8 +175,9 @@ def _readable(predicted: dict[str, Any], source: str) -> str:
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
     lit = predicted.get("lamps")
-    touch = f"; touch as its relief, by lamps {lit}" if lit else "; touch in its colours"
-    touch = touch if predicted["tac"] is not None else ""
+    colours = "; touch in its colours" if predicted["touch"] != "relief" else ""
+    relief = lit and f"{' and' if colours else '; touch'} as its relief, by lamps {lit}"
+    touch = f"{colours}{relief or ''}" if predicted["tac"] is not None else ""
     lines = [
         (
             f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}:"

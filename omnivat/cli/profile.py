@@ -38,7 +38,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         tac=path("a folder of tactile images alone", "DIR"),
         domain=text("name of the domain; of a set: the one to take"),
         dots=one_of(DOTS, "printed dots of a gel in tactile images, as for `embed`"),
-        touch=one_of(TOUCH, "read touch in its colours or drawn as its relief, as for `embed`"),
+        touch=one_of(TOUCH, "read touch in its colours, as its relief, or both, as for `embed`"),
     )
     download(parser)
 
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
     lamps = (
         profile.lamps
         and f", with the lamps of the gel (confidence {profile.lamps.confidence:.2f}), by which a"
-        " head of relief reads touch"
+        " head of relief, or of colours and relief, reads touch"
     )
     print(f"profile of {counts}{lamps or ''}, no labels read; written to {options.out}")
 

@@ -30,7 +30,7 @@ from omnivat.cli.arguments import (
     several,
     text,
 )
-from omnivat.cli.embed import LAMPS, lamps_in, touch_lines
+from omnivat.cli.embed import LAMPS, TOUCH_HELP, lamps_in, touch_lines
 from omnivat.cli.fetch import bring
 from omnivat.cli.imports import add_foreign, checked, foreign
 from omnivat.cli.thumbnails import start_of
@@ -68,7 +68,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "target",
         out=path("folder to write; default: beside PAIRS", "DIR"),
         source=text("domain to train on; default: the largest"),
-        touch=one_of(TOUCH, "read touch in its colours, or drawn as its relief (docs/relief.md)"),
+        touch=one_of(TOUCH, TOUCH_HELP),
         lamps=several(LAMPS, "FILE|alone"),
         no_page=flag("write the folder, open no page"),
     )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from omnivat.data.arrays import LARGE_BYTES, require_range, row_numbers, walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
-from omnivat.data.relief.files import RELIEF
+from omnivat.data.relief.files import touch_of, unmarked
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
@@ -71,11 +71,19 @@ class Profile:
         return len(next(iter(self.channels.values())).mean)
 
     def read_by(self, key: tuple[str, str, str]) -> "Profile":
-        """Return the profile as a head of this encoder reads it: by relief, where it holds that."""
-        lit = (*self.key[:2], self.key[2] + RELIEF)
-        if self.relief is None or key != lit:
+        """Return the profile as a head of this encoder reads it: by relief, or by colours and
+        relief side by side, where it holds them.
+        """
+        mine = *key[:2], unmarked(key[2])
+        if self.relief is None or key == self.key or mine != self.key:
             return self
-        return replace(self, channels=self.channels | {"tac": self.relief}, key=lit, relief=None)
+        channels = self.channels | {"tac": self.relief}
+        if touch_of(key[2]) == "both":
+            nothing = np.zeros_like(self.relief.mean)
+            beside = {"vis": replace(self.relief, mean=nothing, variance=nothing)}
+            beside["tac"] = self.relief
+            channels = {name: wide(one, beside[name]) for name, one in self.channels.items()}
+        return replace(self, channels=channels, key=key, relief=None)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -108,6 +116,15 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
     return Channels(
         mean=(start + offset).astype(np.float32), variance=variance.astype(np.float32), count=count
     )
+
+
+def wide(first: Channels, other: Channels) -> Channels:
+    """Return the statistics of embeddings side by side, of the pictures of the first."""
+    mean, variance = (
+        np.concatenate([getattr(one, name) for one in (first, other)])
+        for name in ("mean", "variance")
+    )
+    return replace(first, mean=mean, variance=variance)
 
 
 def joined(first: Channels, other: Channels) -> Channels:

@@ -86,17 +86,25 @@ class ReliefDrawn(DotsFilled):
     """An encoder whose tactile images are drawn as their relief.
 
     lamps  domain -> its lamps; a touch of another domain, as with `tac`, is drawn by itself alone
+    touch  "relief", or "both": a touch's embedding in colours is followed by that of its relief,
+           and a photo's by as many zeros
     """
 
-    def __init__(self, inner: "Encoder", lamps: "Mapping[str, Lamps]") -> None:
-        from omnivat.data.relief.files import RELIEF
-        from omnivat.encoders.wrapping import WithoutDots
+    def __init__(
+        self, inner: "Encoder", lamps: "Mapping[str, Lamps]", touch: str = "relief"
+    ) -> None:
+        from omnivat.data.relief.files import MARKS
+        from omnivat.encoders.wrapping import NamedEncoder, WithoutDots
 
         super().__init__(inner.plain if isinstance(inner, DotsFilled) else inner)
-        self.preprocessing += RELIEF
-        touches = self.tac.inner
-        self.tac = WithoutDots(touches, relief=True)
-        self.of = {name: WithoutDots(touches, own, relief=True) for name, own in lamps.items()}
+        self.preprocessing += MARKS[touch]
+        self.touch, touches = touch, self.tac.inner
+        self.tac = WithoutDots(touches, touch=touch)
+        self.of = {name: WithoutDots(touches, own, touch=touch) for name, own in lamps.items()}
+        if self.tac.width > self.width:
+            self.width, self.one_network = self.tac.width, False
+            self.vis = NamedEncoder(self.vis, self.vis.name, self.width)
+            self.text_hash = ""  # texts are not of this width
 
 
 def for_modality(encoder: "Encoder", modality: str, domain: str = "") -> "Encoder":
@@ -199,7 +207,8 @@ def load_encoder(
     dots            "fill": printed dots of tactile images are filled before they are encoded; a
                     picture of stripes, which the encoder "strip" reads, has none
     touch           "colours", or "relief": tactile images are drawn as their relief after their
-                    dots are filled, by the `lamps` of their domain or each by itself
+                    dots are filled, by the `lamps` of their domain or each by itself; "both": the
+                    two embeddings of a touch are one of twice the width, and photos have zeros
 
     Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
     device, DataError if the encoder violates the contract or a checkpoint is missing; the message
@@ -220,9 +229,9 @@ def load_encoder(
         encoder = PairEncoder(
             *map(_load_one, names, (weights, tac_weights), hashes, (settings,) * 2)
         )
-    if touch == "relief":
+    if touch != "colours":
         require_filled(name, dots)
-        return ReliefDrawn(encoder, lamps or {})
+        return ReliefDrawn(encoder, lamps or {}, touch)
     return DotsFilled(encoder) if dots == "fill" and name != "strip" else encoder
 
 

@@ -23,7 +23,7 @@ from torch import Tensor, nn
 from omnivat.data.arrays import require_range
 from omnivat.data.dots import FILLED, fill_dots
 from omnivat.data.relief import Lamps, drawn
-from omnivat.data.relief.files import RELIEF, packed
+from omnivat.data.relief.files import MARKS, packed
 from omnivat.encoders.onnx_runtime import in_onnx_runtime
 from omnivat.encoders.running import (
     ONNX,
@@ -275,30 +275,44 @@ class NamedEncoder:
 class WithoutDots(NamedEncoder):
     """An encoder of tactile images that fills their printed dots first.
 
-    relief  it then draws their relief in place of their colours
-    lamps   of the sensor, for the relief; None: those that each picture gives alone
+    touch  "relief": it then draws their relief in place of their colours; "both": an embedding in
+           colours is followed by that of the relief
+    lamps  of the sensor, for the relief; None: those that each picture gives alone
     """
 
-    def __init__(self, inner: Any, lamps: Lamps | None = None, *, relief: bool = False) -> None:
+    def __init__(self, inner: Any, lamps: Lamps | None = None, *, touch: str = "colours") -> None:
         super().__init__(inner, inner.name)
-        self.preprocessing += FILLED + RELIEF * relief
-        self.inner, self.lamps, self.relief = inner, lamps, relief
+        self.preprocessing += FILLED + MARKS.get(touch, "")
+        self.inner, self.lamps, self.touch = inner, lamps, touch
+        self.width *= 1 + (touch == "both")
         if lamps is not None:
             self.probe += blake2b(packed(lamps).encode(), digest_size=8).hexdigest()
 
     def preprocess(self, image: Image.Image, **context: Any) -> Tensor:
         """Convert an RGB image, without its dots or drawn as its relief, to the tensor (C, H, W)
-        for `embed`; `context` by `takes`.
+        for `embed`, or both to (2, C, H, W); `context` by `takes`.
         """
-        for name, read in (("before", self.drawn), ("rest", self.cleaned)):
-            if name in context:
-                context[name] = read(context[name])
-        return super().preprocess(self.drawn(image), **context)
+        looks = (self.cleaned, self.drawn) if self.touch == "both" else (self.drawn,)
+        made = []
+        for look in looks:
+            reads = {"before": look, "rest": self.cleaned}
+            more = {name: reads[name](one) for name, one in context.items() if name in reads}
+            made.append(super().preprocess(look(image), **context | more))
+        return torch.stack(made) if self.touch == "both" else made[0]
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the embeddings (B, D), float32; of both drawings side by side, if there are
+        both.
+        """
+        looks = images.unbind(1) if self.touch == "both" else (images,)
+        return torch.cat([NamedEncoder.embed(self, one) for one in looks], 1)
 
     def drawn(self, image: Image.Image) -> Image.Image:
-        """Return the image as the encoder sees it; the same object if nothing changes."""
+        """Return the image as the encoder sees it, of both its relief; the same object if nothing
+        changes.
+        """
         clean = self.cleaned(image)
-        if not self.relief:
+        if self.touch == "colours":
             return clean
         return Image.fromarray(drawn(np.asarray(clean), self.lamps, dots="keep"))
 

@@ -17,7 +17,7 @@ from omnivat.data.arranged import require_ways
 from omnivat.data.dots import FILLED
 from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
 from omnivat.data.profile_file import load_profile, save_profile
-from omnivat.data.relief.files import RELIEF
+from omnivat.data.relief.files import touch_of, unmarked
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity, tensors_in
@@ -37,9 +37,13 @@ ENCODER = ("name", "weights_hash", "preprocessing")
 # ways to make embeddings: mark in a set's preprocessing, in words, how to embed so, and how not so
 MADE = (
     (FILLED, "the dots of touch filled", "with --dots fill", "with --dots keep"),
-    (RELIEF, "touch drawn as its relief", "with --touch relief", "with --touch colours"),
     (RESTED, "a no-contact picture subtracted from touch", "with --tac-rest", "without --tac-rest"),
 )
+TOUCHED = {
+    "colours": "in its colours",
+    "relief": "drawn as its relief",
+    "both": "in its colours and drawn as its relief, side by side",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +76,13 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
+        came, reads = (touch_of(one[2]) for one in (key, wanted))
+        if came != reads and unmarked(key[2]) == unmarked(wanted[2]) and key[:2] == wanted[:2]:
+            raise DataError(
+                f"{what} are made with touch {TOUCHED[came]}, and this head was trained with touch"
+                f" {TOUCHED[reads]}. Embed the pairs with --touch {reads}, or choose a head that"
+                " fits."
+            )
         for marker, made, *how in MADE:
             bare, learned = ("".join(one).replace(marker, "") for one in (key, wanted))
             if key != wanted and bare == learned:

@@ -112,9 +112,10 @@ def profile_of_pictures(
     if isinstance(lit, str):
         skipped, lit = [Skipped(what="the lamps of the gel", why=lit)], None
     elif lit is not None:
-        bent = ReliefDrawn(encoder, {domain: lit})
         if isinstance(encoder, ReliefDrawn):
-            encoder, bent = bent, None
+            encoder = ReliefDrawn(encoder, {domain: lit}, encoder.touch)
+        else:
+            bent = ReliefDrawn(encoder, {domain: lit})
     for done, picture in enumerate(pictures):
         on_step(Step(done=done, total=len(pictures), text=picture.name))
         looks = {picture.modality: encoder}

@@ -1,5 +1,5 @@
-"""Lamps as text for headers, the mark of sets whose touches are drawn as relief, and which pictures
-of a domain give its lamps.
+"""Lamps as text for headers, the marks of sets whose touches are drawn as relief, and which
+pictures of a domain give its lamps.
 """
 
 import json
@@ -16,7 +16,8 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in
 
 RELIEF = "; TAC drawn as its relief"  # in a set's preprocessing, after the dots
-TOUCH = ("colours", "relief")  # how touch is read; the first is the default
+MARKS = {"relief": RELIEF, "both": "; TAC in colours beside its relief"}
+TOUCH = ("colours", *MARKS)  # how touch is read; the first is the default
 MOST = 50  # pictures of a domain that give its lamps
 MOST_PIXELS = 250_000  # of a background, above any that `lamps` makes
 NUMBERS = ("ratio", "confidence", "pictures", "steepness")
@@ -24,8 +25,17 @@ T = TypeVar("T")
 
 
 def touch_of(preprocessing: str) -> str:
-    """Return "relief" or "colours", as which a set's preprocessing took touch."""
-    return "relief" if RELIEF in preprocessing else "colours"
+    """Return how a set's preprocessing took touch: one of `TOUCH`.
+
+    >>> touch_of("resized to 224; dots of TAC filled; TAC drawn as its relief")
+    'relief'
+    """
+    return next((name for name, mark in MARKS.items() if mark in preprocessing), TOUCH[0])
+
+
+def unmarked(preprocessing: str) -> str:
+    """Return a set's preprocessing without how it took touch."""
+    return preprocessing.replace(MARKS.get(touch_of(preprocessing), ""), "")
 
 
 def spread(items: Sequence[T], most: int = MOST) -> list[T]:

@@ -66,8 +66,9 @@ def embed_pairs(
     dots        "fill": printed dots of touch are filled first (`omnivat.data.dots`); or "keep"
     touch       "colours", or "relief": touch is drawn as its relief (`omnivat.data.relief`), by the
                 lamps of its domain, from at most 50 of its touches. In a domain without lamps each
-                touch is drawn by itself, and the header has the reason
-    lamps       domain -> lamps that are known, for "relief"; None: each touch is drawn by itself,
+                touch is drawn by itself, and the header has the reason. "both": the embedding in
+                colours is followed by that of the relief, and a photo's by as many zeros
+    lamps       domain -> lamps that are known, for the relief; None: each touch is drawn by itself,
                 so that nothing is known of a sensor
     workers     images in parallel; default: every core
     dtype       of the file: "float32", or "float16" for half the size
@@ -100,7 +101,7 @@ def embed_pairs(
         dots=dots,
     )
     lit: dict[str, Lamps | str] = {}
-    if touch == "relief":
+    if touch != "colours":
         require_filled(encoder_name, dots)
         lit = {} if lamps is None else lamps_of_domains(pairs.pairs, lamps)
         found = {name: one for name, one in lit.items() if not isinstance(one, str)}

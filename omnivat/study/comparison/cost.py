@@ -9,7 +9,7 @@ from PIL import Image
 
 from omnivat.data.dots import FILLED
 from omnivat.data.embeddings import Header
-from omnivat.data.relief.files import RELIEF
+from omnivat.data.relief.files import touch_of
 from omnivat.encoders.base import CHOSEN, ENCODERS, JOINED, for_modality, load_encoder
 from omnivat.kit.errors import OmniVatError
 
@@ -28,7 +28,7 @@ def cost_of(header: Header) -> float | None:
         return None
     drawn: dict[str, Any] = {
         "dots": "fill" if FILLED in header.preprocessing else "keep",
-        "touch": "relief" if RELIEF in header.preprocessing else "colours",
+        "touch": touch_of(header.preprocessing),
     }
     noise = np.random.default_rng(0).integers(0, 255, (SIDE, SIDE, 3), np.uint8)
     picture = Image.fromarray(noise)

@@ -3,6 +3,7 @@
 import json
 from shutil import copytree
 
+import numpy as np
 import pytest
 
 from omnivat import EXAMPLES, load_embeddings
@@ -60,6 +61,69 @@ def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(wor
     assert "Embed the pairs with --touch relief, or choose a head that fits" in said.err
     said = run("evaluate", "--embeddings", work / "relief.safetensors", code=1)
     assert "made with touch drawn as its relief" in said.err and "--touch colours" in said.err
+
+
+def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_commands_and_on_the_page(
+    work, run
+):
+    from app.pair.pictures import live, taken
+    from app.pair.sensor import load_sensor
+    from app.pair.tab import predicted
+    from app.shared.places import Places
+    from app.shared.resources import Resources
+
+    def embedded(touch):
+        out = work / f"{touch}-sides.safetensors"
+        return run("embed", work / "pairs", "--touch", touch, "--out", out), load_embeddings(out)
+
+    (said, both), (_, colours), (_, relief) = map(embedded, ("both", "colours", "relief"))
+    assert "TQ-DIGIT-sim: touch in its colours and drawn as its relief by lamps from 8" in said.out
+    for flip in ("", "_flip"):
+        left, right = np.hsplit(both.vectors["tac" + flip], 2)
+        assert np.array_equal(left, colours.vectors["tac" + flip])
+        assert np.array_equal(right, relief.vectors["tac" + flip])
+        photo, rest = np.hsplit(both.vectors["vis" + flip], 2)
+        assert np.array_equal(photo, colours.vectors["vis" + flip]) and not rest.any()
+
+    run("train", "--embeddings", work / "both-sides.safetensors", "--source", "TQ-DIGIT-sim",
+        "--out", work / "both", "--set", "width=16", "--set", "epochs=3")  # fmt: skip
+    for touch, words in (("colours", "in its colours,"), ("relief", "drawn as its relief,")):
+        out = "--embeddings", work / f"{touch}-sides.safetensors"
+        said = run("evaluate", "--head", work / "both", *out, code=1)
+        assert f"made with touch {words}" in said.err
+        assert "Embed the pairs with --touch both" in said.err
+
+    mini, records = work / "pairs" / "TQ-GelMini-sim", {}
+    pair = next(mini.glob("glass/*_vis.jpg")), next(mini.glob("glass/*_tac.jpg"))
+    base = "predict", *pair, "--no-cache", "--head", work / "both"
+    for touch in ("colours", "both", "relief"):
+        run("profile", mini, "--out", work / f"{touch}.profile.safetensors", "--touch", touch)
+    profile = "--profile", work / "colours.profile.safetensors"
+    assert "in its colours and as its relief, by lamps of each touch alone" in run(*base).out
+    said = run(*base, *profile)
+    assert "in its colours and as its relief, by lamps of 8 touches" in said.out
+    for touch in ("colours", "both"):  # it serves every head, and is the one made for this head
+        profile = "--profile", work / f"{touch}.profile.safetensors"
+        records[touch] = json.loads(run(*base, *profile, "--json").out)
+    assert records["colours"] == records["both"] and records["both"]["touch"] == "both"
+    said = run(*base, "--profile", work / "relief.profile.safetensors", code=1)
+    assert "Make the profile with that encoder" in said.err
+
+    sources = {"head": work / "both", "embeddings": work / "both-sides.safetensors"}
+    page = Resources(Places(**sources, frames=None, pairs=None))
+    photo, touch = (file.read_bytes() for file in pair)
+    plain = json.loads(run(*base, "--json").out)["probabilities"]
+    shown = live(page, photo + touch, {"modality": "both", "split": len(photo)})
+    assert shown["classes"] == [*plain]
+    assert shown["readings"]["fused"] == pytest.approx([*plain.values()], abs=1e-4)
+    vis, tac = (taken(page, one, {})["ref"] for one in (photo, touch))
+    sensor = load_sensor(page, work / "colours.profile.safetensors", {})["profile"]
+    found, moved = (
+        predicted(page, {"vis": vis, "tac": tac, "profile": name})["exact"]["readings"]["fused"]
+        for name in (None, sensor)
+    )
+    assert found == pytest.approx([*plain.values()], abs=1e-4)
+    assert moved != found
 
 
 def test_lamps_of_a_profile_are_taken_for_its_domain(work, run):

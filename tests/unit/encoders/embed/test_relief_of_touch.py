@@ -151,6 +151,13 @@ def test_a_profile_holds_the_lamps_by_which_its_touches_are_drawn(touch, pairs, 
         lit = again.read_by((*again.key[:2], drawn.preprocessing))
         assert lit.key == other.key and lit.relief is None
         assert np.array_equal(lit.channels["tac"].mean, other.channels["tac"].mean)
+        beside = ReliefDrawn(MeanColour(), {}, "both")
+        other, _ = profile_of_pictures(beside, pictures_in(tmp_path / "gel"), domain="gel")
+        wide = again.read_by((*again.key[:2], beside.preprocessing))
+        assert wide.key == other.key and wide.counts == other.counts
+        for name, channels in other.channels.items():
+            assert np.array_equal(wide.channels[name].mean, channels.mean)
+            assert np.array_equal(wide.channels[name].variance, channels.variance)
         assert again.read_by(again.key) is again
 
 
