@@ -4,14 +4,7 @@ Imports `data` and `kit`. A new encoder is a function in any module, named as
 `module:function`, or a line in the table of `base`; nothing here is trained.
 """
 
-from omnivat.encoders.base import (
-    DEFAULT_ENCODER,
-    ENCODERS,
-    Encoder,
-    PairEncoder,
-    load_encoder,
-    text_encoder,
-)
+from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS, Encoder, PairEncoder, load_encoder
 from omnivat.kit.tables import late
 
 __all__ = [
@@ -24,4 +17,8 @@ __all__ = [
     "text_encoder",
 ]
 
-__getattr__ = late(__name__, {"TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder"})
+LATE = {
+    "TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder",
+    "text_encoder": "omnivat.encoders.clip_text:text_encoder",
+}
+__getattr__ = late(__name__, LATE)

@@ -5,7 +5,7 @@ import importlib.util
 import inspect
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -15,7 +15,6 @@ from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 from omnivat.kit.tables import load, suggestion
 
 if TYPE_CHECKING:
-    import numpy as np
     import torch
     from PIL import Image
 
@@ -357,17 +356,3 @@ def _attribute(name: str) -> Any:
     if not hasattr(loaded, attribute):
         raise DataError(f"'{module}' has no function '{attribute}' to load an encoder.")
     return getattr(loaded, attribute)
-
-
-def text_encoder(
-    name: str, *, weights: Path | None = None
-) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
-    """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
-
-    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is
-    missing.
-    """
-    from omnivat.encoders.clip_text import load_text_encoder
-
-    tower = load_text_encoder(name, weights=weights)
-    return lambda texts: tower.embed_texts(texts).cpu().numpy()

@@ -1,11 +1,12 @@
 """CLIP's text tower, through `transformers`: text embeddings in the space of the images."""
 
 import gzip
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -91,6 +92,18 @@ def load_text_encoder(
             f"'{clip.file}' has an image tower and no text tower; name the whole model."
         )
     return ClipText(clip, device_from(device))
+
+
+def text_encoder(
+    name: str, *, weights: Path | None = None
+) -> Callable[[Sequence[str]], np.ndarray[Any, Any]]:
+    """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
+
+    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is
+    missing.
+    """
+    tower = load_text_encoder(name, weights=weights)
+    return lambda texts: tower.embed_texts(texts).cpu().numpy()
 
 
 MERGES = "bpe_simple_vocab_16e6.txt.gz"  # the file that OpenAI and open_clip ship
