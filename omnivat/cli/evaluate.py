@@ -162,7 +162,7 @@ def table(
             )
     if lit := max((record["lamps_from"] for record in records), default=0):
         lines.append(
-            f"Touch is drawn as its relief: lamps of domains are known from up to {lit} touches"
+            f"The relief of touch is drawn by lamps known from up to {lit} touches a domain"
             " without labels. Not comparable with strict domain generalisation."
         )
     if any(record["trained_on"] for record in records):
