@@ -54,6 +54,22 @@ def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_grad
         page.close()
 
 
+def test_limits_that_are_opened_before_gradio_comes_stay_open(chromium, address):
+    page = chromium.new_page()
+    held = []
+    page.route("**/assets/index-*.js", lambda route: held.append(route))
+    try:
+        page.goto(address, wait_until="commit")
+        page.wait_for_selector(".explore.ready")
+        page.click(".top .badge:has-text('simulated data')")
+        page.wait_for_selector(".top .limits >> visible=true")
+        held[0].continue_()
+        page.wait_for_selector("#omnivat-first", state="detached")
+        assert page.is_visible(".top .limits")
+    finally:
+        page.close()
+
+
 def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(
     open_page,
 ):

@@ -34,7 +34,7 @@ for (const kind of ["pointerdown", ...ENDS])
 /** @type {Map<Element, HTMLElement>} */
 const places = new Map();
 
-/** Tell where Gradio has the part `name`; both parts move there together, with what is focused in them.
+/** Tell where Gradio has the part `name`; both parts move there together, with what is focused or open in them.
  * @param {"header" | "explore"} name @param {HTMLElement} place */
 export function adopt(name, place) {
   places.set({ header, explore }[name], place);
@@ -48,7 +48,9 @@ export function adopt(name, place) {
 function move() {
   if (!shell.isConnected) return;
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);
+  const opened = /** @type {NodeListOf<HTMLElement>} */ (shell.querySelectorAll(":popover-open"));
   for (const [part, at] of places) at.append(part);
+  for (const one of opened) one.showPopover();
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
   shell.remove();
