@@ -2,7 +2,7 @@
 
 MAX_IMAGE_BYTES = 20_000_000  # a phone's photo is 3 to 12 MB
 DECODE_S = 3  # CPU seconds to decode one picture
-DECODE_WAIT_S = 8  # seconds after which decoding is killed
+DECODE_WAIT_S = 30  # seconds after which decoding is killed; a busy machine is slow to start it
 DECODER_BYTES = 220_000_000  # memory of such a process
 IDLE_S = 20  # seconds of an idle connection, of a request's head, and without a byte of an upload
 BODY_S = 600  # seconds for a whole upload
