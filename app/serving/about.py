@@ -1,4 +1,4 @@
-"""What is loaded: its origin and limits, and whether head and set fit."""
+"""What is loaded: its origin and limits."""
 
 from collections.abc import Callable
 from math import isfinite

@@ -68,9 +68,8 @@ def build(sets: VisitorSets) -> Any:
         component("header")
         with gr.Tabs(elem_id="views"):
             for name in VIEWS:
-                view = import_module(
-                    f"app.{name}.tab"
-                )  # with `build`, it lays out more than a component
+                # a tab with `build` lays out more than its component
+                view = import_module(f"app.{name}.tab")
                 build_tab = getattr(view, "build", lambda *_, name=name: component(name))
                 with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}") as tab:
                     build_tab(sets, tab)

@@ -95,7 +95,9 @@ class Embeddings:
                 or own.ndim != 2
                 or own.dtype not in (np.float16, np.float32, np.float64)
             ):
-                came = f"{own.shape} of {own.dtype}" if isinstance(own, np.ndarray) else type(own)
+                came = type(own).__name__
+                if isinstance(own, np.ndarray):
+                    came = f"{own.shape} of {own.dtype}"
                 raise ShapeError(
                     f"{name} should be a NumPy array (N, D) of floating-point numbers, not {came};"
                     " convert it first."
