@@ -1,31 +1,31 @@
-"""The relief of a visitor's touch, by the lamps that several touches of its sensor give."""
+"""The relief of a visitor's touch, by its sensor's lamps: of a profile, or of several touches."""
 
 import json
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from app.pair.pictures import Content, decoded, name_in
+from app.shared.pair_input import profile_in
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
-if TYPE_CHECKING:
-    from omnivat.data.relief import Lamps
-
-MOST = 20  # touches of one request: more change the lamps little
+FEWEST, MOST = 5, 20  # touches of one request that give good lamps; more change them little
 KINDS = ("figures", "npy", "ply")
 
 
 def relief(resources: Resources, content: Content, question: Question) -> bytes | Reply:
-    """Return the relief of the first of several touches of one sensor, which give its lamps.
+    """Return the relief of the first of several touches of one sensor, by the lamps of its profile
+    or, where that holds none, by those that the touches give.
 
     content   the touches, one after the other
-    question  {"sizes": bytes of each, with commas; "as": "figures", to draw;
-              "npy", slopes to the right and downwards and heights (H, W, 3) float32; or "ply", the
-              heights as a surface}
+    question  {"sizes": bytes of each, with commas; "profile": of the sensor that made them; "as":
+              "figures", to draw; "npy", slopes to the right and downwards and heights (H, W, 3)
+              float32; or "ply", the heights as a surface}
 
-    Raises DataError for sizes that are not those of the content, and where touches give no lamps.
+    Raises DataError for sizes that are not those of the content, and where touches give no lamps;
+    ForgottenError for a profile that is not kept.
     """
     import numpy as np
 
@@ -33,12 +33,20 @@ def relief(resources: Resources, content: Content, question: Question) -> bytes 
     from omnivat.data.relief import heights, lamps, ply, slopes
 
     kind = one_of("as", question.get("as"), KINDS)
+    profile = profile_in(resources, question)
+    sent = parts(content, str(question.get("sizes", "")), MOST)
+    known = profile and profile.lamps
+    if profile and not known and len(sent) < FEWEST:
+        raise DataError(
+            f"The profile of your sensor holds no lamps. {FEWEST - len(sent)} more touches of it"
+            " would give them, and with them the relief. Labels are not needed."
+        )
     touches = []
-    for part in parts(content, str(question.get("sizes", "")), MOST):
+    for part in sent[:1] if known else sent:
         image = decoded(resources, part, question)
         touches.append(fill_dots(np.asarray(image))[0])
         checkpoint()
-    gel = lamps(touches, dots="keep")
+    gel = known or lamps(touches, dots="keep")
     checkpoint()
     high, steep = (of(touches[0], gel, dots="keep") for of in (heights, slopes))
     if kind == "ply":
@@ -47,11 +55,19 @@ def relief(resources: Resources, content: Content, question: Question) -> bytes 
         with BytesIO() as file:
             np.save(file, np.concatenate([steep, high[..., None]], -1))
             return file.getvalue()
-    return drawn(name_in(question), high, steep, gel, str(question.get("theme")))
+    lit = f"that {gel.pictures} touches of this sensor give"
+    if known:
+        lit = f"in the profile of your sensor, which {gel.pictures} touches gave"
+    caption = (
+        f"Drawn by the lamps {lit}, in 95 % of draws within cosine {gel.confidence:.2f}. Heights"
+        " have no unit, and the sign may be wrong."
+    )
+    plots = drawn(name_in(question), high, steep, str(question.get("theme")))
+    return {"figures": plots, "caption": caption}
 
 
-def drawn(name: str, heights: Any, slopes: Any, gel: "Lamps", theme: str) -> Reply:
-    """Return heights (H, W) to turn, and slopes (H, W, 2), as Plotly's figures, and a caption."""
+def drawn(name: str, heights: Any, slopes: Any, theme: str) -> list[Any]:
+    """Return heights (H, W) to turn, and slopes (H, W, 2), as Plotly's figures."""
     from omnivat import figures
 
     shown = (
@@ -62,13 +78,8 @@ def drawn(name: str, heights: Any, slopes: Any, gel: "Lamps", theme: str) -> Rep
     near = {"x": 0.3, "y": -1.1, "z": 0.9}  # from the picture's lower edge
     shown[0].update_scenes(xaxis=bare, yaxis=bare, zaxis=bare, camera={"eye": near})
     shown[0].update_layout(height=360, margin={"l": 0, "r": 0, "t": 40, "b": 0})
-    caption = (
-        f"Lamps from {gel.pictures} touches, in 95 % of draws within cosine {gel.confidence:.2f}."
-        " Heights have no unit, and the sign may be wrong."
-    )
     template = "omnivat_dark" if theme == "dark" else "omnivat"
-    plots = [json.loads(one.update_layout(template=template).to_json()) for one in shown]
-    return {"figures": plots, "caption": caption}
+    return [json.loads(one.update_layout(template=template).to_json()) for one in shown]
 
 
 def parts(content: Content, sizes: str, most: int) -> list[bytes]:

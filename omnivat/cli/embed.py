@@ -25,7 +25,7 @@ from omnivat.cli.arguments import (
 )
 from omnivat.cli.imports import checked
 from omnivat.data.readers import READERS
-from omnivat.data.relief.files import TOUCH, touch_of
+from omnivat.data.relief.files import TOUCH, reading_of, touch_of
 from omnivat.encoders.base import ENCODERS
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
@@ -140,18 +140,20 @@ def lamps_in(options: Sequence[str], domains: Sequence[str]) -> "dict[str, Lamps
 
 
 def touch_lines(header: "Header") -> list[str]:
-    """Return how the touches of each domain were arranged and drawn, in words; none for touches as
-    they come.
+    """Return how the touches of a set were read, and those of each domain arranged and lit, in
+    sentences; none for a set without touches, or of vectors that were made elsewhere.
     """
     from omnivat.data.arranged import options_of
+    from omnivat.data.foreign import PREFIX
 
-    ways = [f"{name}: touch read with {options_of(way)}" for name, way in header.tac_way.items()]
-    drawn = "in its colours and " * (touch_of(header.preprocessing) == "both")
-    drawn += "drawn as its relief"
-    return ways + [
-        f"{name}: each touch {drawn} by itself. {one}"
-        if isinstance(one, str)
-        else f"{name}: touch {drawn} by lamps from {one.pictures} touches, confidence"
-        f" {one.confidence:.2f}"
-        for name, one in header.lamps.items()
+    if "tac" not in header.modalities or header.encoder.startswith(PREFIX):
+        return []
+    touch, lit = touch_of(header.preprocessing), header.lamps.items()
+    return [
+        *(f"{name}: touch is read with {options_of(way)}." for name, way in header.tac_way.items()),
+        *([] if lit else [f"Touch is read {reading_of(touch, None)}."]),
+        *(
+            f"{name}: touch is read {reading_of(touch, one)}." + f" {one}" * isinstance(one, str)
+            for name, one in lit
+        ),
     ]

@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> None:
 
     from omnivat.data.dots import dots_of
     from omnivat.data.profile_file import load_profile
-    from omnivat.data.relief.files import touch_of
+    from omnivat.data.relief.files import reading_of, touch_of
     from omnivat.data.rest import RESTED
     from omnivat.encoders import load_encoder
     from omnivat.encoders.cache import default_cache, embed_pair
@@ -118,6 +118,10 @@ def run(options: argparse.Namespace) -> None:
         print(as_json(records[0] if len(records) == 1 and not options.pairs else records))
     else:
         print("\n".join(_readable(predicted, head.source) for predicted in records))
+        if any(predicted["tac"] for predicted in records):
+            unlit = touch != "colours" and profile and not lamps
+            why = ", as the profile has none" if unlit else ""
+            print(f"Touch was read {reading_of(touch, lamps, ' of the profile')}{why}.")
 
 
 def _rest(options: argparse.Namespace, rested: bool) -> str:
@@ -174,15 +178,11 @@ def _pairs(
 def _readable(predicted: dict[str, Any], source: str) -> str:
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
-    lit = predicted.get("lamps")
-    colours = "; touch in its colours" if predicted["touch"] != "relief" else ""
-    relief = lit and f"{' and' if colours else '; touch'} as its relief, by lamps {lit}"
-    touch = f"{colours}{relief or ''}" if predicted["tac"] is not None else ""
     lines = [
         (
             f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}:"
             f" {predicted['prediction']}  (order p = {predicted['order']:.3f}, head trained on"
-            f" {source}{touch})"
+            f" {source})"
         ),
         "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]

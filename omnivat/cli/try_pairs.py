@@ -121,6 +121,7 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     from omnivat.study.trial import try_pairs
 
     found, notes = _features(options, out)
+    notes += touch_lines(found.embeddings.header)
     classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
     alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
     notes.append(
@@ -212,7 +213,6 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(pairs, encoder, out / SET, **how, on_step=show)
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
-    notes += touch_lines(report.header)
     embeddings = load_embeddings(out / SET)
     files = [pair.vis.absolute() for pair in pairs.pairs]
     root = start_of(options.pairs, embeddings.rows["vis"], files)

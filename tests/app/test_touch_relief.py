@@ -1,11 +1,15 @@
 """The relief of a visitor's touch, by the lamps of the touches sent with it."""
 
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.pair.touch_relief import MOST, relief
+from app.shared.state import ForgottenError
+from omnivat import lamps, slopes
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 
@@ -17,10 +21,10 @@ def touches():
     return [file.read_bytes() for file in files]
 
 
-def sent(resources, touches, kind):
+def sent(resources, touches, kind, **more):
     """Return the reply to touches in one body."""
-    sizes = ",".join(str(len(one)) for one in touches)
-    return relief(resources, b"".join(touches), {"as": kind, "sizes": sizes, "name": "<b>x</b>"})
+    about = {"as": kind, "sizes": ",".join(str(len(one)) for one in touches), "name": "<b>x</b>"}
+    return relief(resources, b"".join(touches), about | more)
 
 
 def test_the_first_of_the_touches_comes_back_as_slopes_heights_a_surface_and_figures(
@@ -32,9 +36,31 @@ def test_the_first_of_the_touches_comes_back_as_slopes_heights_a_surface_and_fig
     assert np.corrcoef(bent.ravel(), found[..., 0].ravel())[0, 1] > 0.7
     surface = sent(resources, touches, "ply")
     assert b"element vertex 50176\n" in surface and b"element face 99458\n" in surface
-    shown = sent(resources, touches, "figures")["figures"]
+    reply = sent(resources, touches, "figures")
+    assert f"Drawn by the lamps that {len(touches)} touches of this sensor give" in reply["caption"]
+    shown = reply["figures"]
     assert [one["type"] for plot in shown for one in plot["data"]] == ["surface", *["heatmap"] * 2]
     assert "<b>" not in shown[0]["layout"]["title"]["text"]
+
+
+def test_one_touch_is_drawn_by_the_lamps_of_the_profile_which_the_caption_names(resources, touches):
+    dark, *others = (np.asarray(Image.open(BytesIO(one)).convert("RGB")) for one in touches)
+    gel = lamps(others)
+    bare = resources.head().source_profile
+    for name, held in (("lit", replace(bare, lamps=gel)), ("unlit", replace(bare, lamps=None))):
+        resources.profiles.keep(name, held)
+    found = np.load(BytesIO(sent(resources, touches[:1], "npy", profile="lit")))
+    assert np.array_equal(found[..., :2], slopes(dark, gel))
+    many = np.load(BytesIO(sent(resources, touches, "npy", profile="lit")))
+    assert np.array_equal(found, many)  # the profile's lamps, not those of the touches
+    caption = sent(resources, touches[:1], "figures", profile="lit")["caption"]
+    assert f"lamps in the profile of your sensor, which {len(others)} touches gave" in caption
+    with pytest.raises(DataError, match=r"holds no lamps\. 2 more touches"):
+        sent(resources, touches[:3], "npy", profile="unlit")
+    unlit, plain = (sent(resources, touches, "npy", profile=profile) for profile in ("unlit", ""))
+    assert unlit == plain
+    with pytest.raises(ForgottenError):
+        sent(resources, touches, "npy", profile="gone")
 
 
 def test_too_few_touches_and_sizes_that_are_not_theirs_are_refused(resources, touches):

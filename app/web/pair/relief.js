@@ -1,4 +1,5 @@
-/** The relief of the open touch, to turn: by lamps from touches of its sensor that this browser has. */
+/** The relief of the open touch, to turn: by the lamps of the visitor's profile, or from touches of its sensor that
+ * this browser has. */
 
 import { address, attempt, bytesOf, once, Refusal, reliefOf } from "../shared/api.js";
 import { held } from "../shared/held.js";
@@ -28,12 +29,15 @@ export function touchesOf({ tac, examples, touches, sent }) {
   return [...new Set([tac, ...others])].slice(0, MOST);
 }
 
-/** Why there is no relief; "" if there is one. @param {PairTab} tab */
+/** The profile of the sensor that made the open touch, which may hold its lamps. @param {PairTab} tab */
+const profileOf = ({ tac, profile }) => (tac?.startsWith("image:") ? profile : "");
+
+/** Why there is no relief; "" if there may be one. @param {PairTab} tab */
 export function lacking(tab) {
   if (!tab.tac) return "Choose a touch first.";
   if (tab.tac.startsWith("row:"))
     return "Of this pair the server keeps features only. Open an example or a touch of your own to see its relief.";
-  const more = FEWEST - touchesOf(tab).length;
+  const more = profileOf(tab) ? 0 : FEWEST - touchesOf(tab).length;
   const own = tab.tac.startsWith("image:");
   return more > 0
     ? `${plural(more, "more picture")} of ${own ? "your" : "this"} sensor would give its lamps, and with them the ` +
@@ -60,7 +64,7 @@ export class Relief extends View {
   async show() {
     const tab = this.tab();
     const refs = touchesOf(tab);
-    const key = `${refs} ${lacking(tab)} ${isDark()}`;
+    const key = `${refs} ${profileOf(tab)} ${lacking(tab)} ${isDark()}`;
     if (!this.box.open || key === this.shown) return;
     this.shown = key;
     const why = lacking(tab);
@@ -105,7 +109,8 @@ export class Relief extends View {
       size += blob?.size ?? 0;
       if (blob && size <= LARGEST) blobs.push(blob);
     }
-    return reliefOf(blobs, as, isDark() ? "dark" : "light", describe(tab, /** @type {Ref} */ (tab.tac)).text);
+    const name = describe(tab, /** @type {Ref} */ (tab.tac)).text;
+    return reliefOf(blobs, as, isDark() ? "dark" : "light", name, profileOf(tab));
   }
 
   /** @param {string} as */

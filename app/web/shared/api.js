@@ -242,11 +242,13 @@ const sizesOf = (touches) => touches.map(({ size }) => size).join();
 export const cardOf = (touches, first, signal) =>
   replied(post(`card?${new URLSearchParams({ new: `${first}`, sizes: sizesOf(touches) })}`, new Blob(touches), signal));
 
-/** The relief of the first of several touches of one sensor. @param {Blob[]} touches @param {string} as
+/** The relief of the first of several touches of one sensor, by the lamps of its profile if that holds any.
+ * @param {Blob[]} touches @param {string} as
  * @param {string} theme
- * @param {string} name */
-export function reliefOf(touches, as, theme, name) {
-  const about = new URLSearchParams({ as, theme, name, mend: visit.mend, sizes: sizesOf(touches) });
+ * @param {string} name
+ * @param {string} profile */
+export function reliefOf(touches, as, theme, name, profile) {
+  const about = new URLSearchParams({ as, theme, name, profile, mend: visit.mend, sizes: sizesOf(touches) });
   return awaited(post(`relief?${about}`, new Blob(touches)).then((response) => response.blob()));
 }
 

@@ -17,7 +17,12 @@ from omnivat.kit.schema import object_in
 
 RELIEF = "; TAC drawn as its relief"  # in a set's preprocessing, after the dots
 MARKS = {"relief": RELIEF, "both": "; TAC in colours beside its relief"}
-TOUCH = ("colours", *MARKS)  # how touch is read; the first is the default
+READ = {  # how touch is read, the first by default, in words
+    "colours": "in its colours",
+    "relief": "as its relief",
+    "both": "in its colours and as its relief",
+}
+TOUCH = tuple(READ)
 MOST = 50  # pictures of a domain that give its lamps
 MOST_PIXELS = 250_000  # of a background, above any that `lamps` makes
 NUMBERS = ("ratio", "confidence", "pictures", "steepness")
@@ -36,6 +41,20 @@ def touch_of(preprocessing: str) -> str:
 def unmarked(preprocessing: str) -> str:
     """Return a set's preprocessing without how it took touch."""
     return preprocessing.replace(MARKS.get(touch_of(preprocessing), ""), "")
+
+
+def reading_of(touch: str, lamps: Lamps | str | None, of: str = "") -> str:
+    """Return how touch is read, and by whose lamps, in words that go on from "touch is read".
+
+    of  whose touches gave the lamps
+
+    >>> reading_of("relief", None)
+    'as its relief, by the lamps that each touch gives alone'
+    """
+    by = ", by the lamps that each touch gives alone"
+    if isinstance(lamps, Lamps):
+        by = f", by lamps from {lamps.pictures} touches{of} (confidence {lamps.confidence:.2f})"
+    return READ[touch] + by * (touch != TOUCH[0])
 
 
 def spread(items: Sequence[T], most: int = MOST) -> list[T]:

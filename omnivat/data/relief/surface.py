@@ -59,7 +59,8 @@ def heights(
     pixel  mm of a pixel. With it, and lamps whose steepness is known, heights are in mm; else the
            unit is what a slope of 1 rises in a pixel
 
-    Raises DataError if `pixel` is given and the steepness is unknown (`with_known_height`).
+    Raises DataError as `slopes` does, for a pixel that is not above 0, and if `pixel` is given and
+    the steepness is unknown (`with_known_height`).
 
     >>> from omnivat import EXAMPLES, lamps
     >>> from omnivat.data.images import read_image
@@ -69,15 +70,15 @@ def heights(
     >>> found.shape, float(np.median(found))
     ((224, 224), 0.0)
     """
-    found = integrated(slopes(picture, lamps, dots=dots))
-    if pixel is not None and lamps.steepness is None:
+    size = 1.0 if pixel is None else _number(pixel)
+    if not 0 < size < np.inf:
+        raise DataError(f"A pixel of {pixel!r:.40} mm gives no heights; give a number above 0.")
+    if pixel is not None and isinstance(lamps, Lamps) and lamps.steepness is None:
         raise DataError(
             "Heights in mm need one known height beside the pixel's size; call with_known_height"
             " first."
         )
-    size = 1.0 if pixel is None else _number(pixel)
-    if not 0 < size < np.inf:
-        raise DataError(f"A pixel of {pixel!r:.40} mm gives no heights; give a number above 0.")
+    found = integrated(slopes(picture, lamps, dots=dots))
     unit = 1.0 if pixel is None else size * (lamps.steepness or 1.0)
     return np.asarray((found - np.median(found)) * np.float32(unit))
 

@@ -116,6 +116,9 @@ def test_heights_are_in_millimetres_by_one_known_height():
     found, touch = lamps(pictures, dots="keep"), shown(ball)
     with pytest.raises(DataError, match="one known height"):
         heights(touch, found, pixel=0.05)
+    for scale, wanted in ((found, "one known height"), (replace(found, steepness=1), "above 0")):
+        with pytest.raises(DataError, match=wanted):  # before the picture is looked at
+            heights(None, scale, pixel=0.0 if scale.steepness else 0.05)
     with pytest.raises(DataError, match="a height of 0 mm"):
         with_known_height(found, touch, pixel=0.05, height=0)
     known = with_known_height(found, touch, pixel=0.05, height=0.4)
