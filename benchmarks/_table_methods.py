@@ -23,9 +23,8 @@ from omnivat.study.baselines import linear_maps as maps_method
 from omnivat.study.baselines.contract import Source, seeded
 from omnivat.study.baselines.descent import size
 from omnivat.study.baselines.erm_mlp import Perceptron
-from omnivat.training import TrainSettings, train
+from omnivat.training import TrainingPlan, TrainSettings, plan_training, train
 from omnivat.training.batches import batches, labels_of
-from omnivat.training.from_pairs import TrainingPlan, plan_training
 
 Array = NDArray[Any]
 Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both

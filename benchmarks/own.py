@@ -22,11 +22,11 @@ from omnivat.head import teach
 from omnivat.head.calibration import UNLIKE
 from omnivat.head.checkpoint import Head, load_head
 from omnivat.head.heads import own_head
+from omnivat.head.predict_set import label_map, predicted_probabilities
 from omnivat.head.teach import Lesson
 from omnivat.kit.files import write_json
 from omnivat.kit.schema import read_object
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.predictions import label_map, predicted_probabilities
 
 OUT = Path("docs/benchmarks/own.json")
 READINGS = ("fused", *IMAGES)

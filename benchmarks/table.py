@@ -59,13 +59,13 @@ from omnivat.data.store import load_embeddings
 from omnivat.head.fusion import fused_logs
 from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
 from omnivat.head.linear_maps import FittedMaps
+from omnivat.head.predict_set import predicted
 from omnivat.head.teach import Lesson
 from omnivat.kit.lines import lines
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import pin_thread
 from omnivat.measure.known import parts
 from omnivat.measure.ladder import FORMAT, lettered
-from omnivat.measure.predictions import predicted
 from omnivat.measure.readers import Reader
 from omnivat.measure.rungs import ALL, NOTHING, Known, labels, pairs, sensors
 from omnivat.study.baselines.descent import size

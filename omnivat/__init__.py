@@ -41,8 +41,8 @@ _PUBLIC = {
     "HeadSettings": "omnivat.head.settings:HeadSettings",
     "TrainSettings": "omnivat.training:TrainSettings",
     "train": "omnivat.training:train",
-    "plan_training": "omnivat.training.from_pairs:plan_training",
-    "trained_head": "omnivat.training.from_pairs:trained_head",
+    "plan_training": "omnivat.training:plan_training",
+    "trained_head": "omnivat.training:trained_head",
     "load_head": "omnivat.head.checkpoint:load_head",
     "save_head": "omnivat.head.checkpoint:save_head",
     "predict_pair": "omnivat.head.predict:predict_pair",
@@ -59,6 +59,7 @@ _PUBLIC = {
     "sensor_card": "omnivat.measure.card.changes:sensor_card",
     # what it is worth
     "measured": "omnivat.measure.known:measured",
+    "scored": "omnivat.measure.known:scored",
     "NOTHING": "omnivat.measure.rungs:NOTHING",
     "pairs": "omnivat.measure.rungs:pairs",
     "labels": "omnivat.measure.rungs:labels",

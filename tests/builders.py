@@ -1,6 +1,7 @@
 """Small sets and heads that many tests build: vectors as a set, and settings of a head for one."""
 
 import numpy as np
+import torch
 
 from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.store import ROW_NAMES
@@ -48,3 +49,8 @@ def head_settings(embeddings=None, **changes):
     if embeddings is not None:
         values |= {"classes": embeddings.header.classes, "input_width": embeddings.width}
     return HeadSettings(**(values | changes))
+
+
+def equal_weights(first, second):
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)

@@ -85,7 +85,7 @@ def scores_of(
     """
     import numpy as np
 
-    from omnivat.measure.predictions import label_map
+    from omnivat.head.predict_set import label_map
     from omnivat.measure.shares import counted, mean_over_domains, record
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]

@@ -8,7 +8,7 @@ from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
-    from omnivat.training.from_pairs import TrainingPlan
+    from omnivat.training import TrainingPlan
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = {  # what p does, in words
@@ -58,8 +58,7 @@ def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
               "levels": R, "expansion": E, "noise", "shift", "lang": true to use LANG, "epochs",
               "seed"}
     """
-    from omnivat.training import TrainSettings
-    from omnivat.training.from_pairs import plan_training
+    from omnivat.training import TrainSettings, plan_training
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
     order = one_of("order", question.get("order", "gradient"), ORDERS)

@@ -20,7 +20,7 @@ from omnivat.kit.progress import CHECK, Step
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnivat.training.from_pairs import TrainingPlan
+    from omnivat.training import TrainingPlan
 
     Array = np.ndarray[Any, Any]
 
@@ -58,16 +58,14 @@ class Run:
             self.job.cancel()
             self.job.check()
 
-    def take(self, report: Any) -> None:
-        """Store the results of one epoch: losses, measures and a map; report it."""
-        self.epochs.append(
-            {"epoch": report.epoch, "order": report.order, **report.losses, **report.measures}
-        )
-        if report.map is not None:
-            self.places = report.map
+    def take(self, record: Reply, places: "Array | None") -> None:
+        """Store the record of one epoch, and its map if there is one; report it."""
+        self.epochs.append(record)
+        if places is not None:
+            self.places = places
         self.require_visitor()
-        total, text = self.plan.training.epochs, f"epoch {report.epoch}"
-        self.job.report(Step(done=int(report.epoch), total=total, text=text))
+        total, epoch = self.plan.training.epochs, record["epoch"]
+        self.job.report(Step(done=epoch, total=total, text=f"epoch {epoch}"))
 
     def map(self) -> "tuple[Array, Array, Array]":
         """Return places (2n, 2) of some pairs at the last epoch, VIS then TAC, their domains and
@@ -135,8 +133,9 @@ class Trainings:
         return [run for run in runs if run and run.loaded]
 
     def _work(self, job: Job[None], run: Run, beside: str) -> None:
-        from omnivat.training import Watch
-        from omnivat.training.from_pairs import reporter, trained_head
+        from omnivat.maps.epochs import reporter
+        from omnivat.measure.known import scored
+        from omnivat.training import Watch, trained_head
 
         def check() -> None:
             job.give_way()
@@ -150,4 +149,4 @@ class Trainings:
         job.report(Step(done=0, total=training.epochs, text=first))
         shown = reporter(run.plan, run.take, every=MEASURE_EVERY)
         head = trained_head(run.plan, watch=Watch(on_epoch=shown))
-        run.loaded = self.sets.adopt(head, beside=beside)
+        run.loaded = self.sets.adopt(scored(head, run.plan.embeddings), beside=beside)

@@ -178,9 +178,8 @@ def _retrained(
 ) -> Any:
     """Train the missing heads, and return the frames of all."""
     from omnivat.encoders.embed.pairs import usable_cores
-    from omnivat.training.from_pairs import plan_like
-    from omnivat.training.from_pairs.at_stops import heads_at_stops
-    from omnivat.training.retrained import MAPS, retrained_frames
+    from omnivat.study.retrained import MAPS, heads_at_stops, retrained_frames
+    from omnivat.training import plan_like
 
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
     of_head, of_training = head_and_training(options.set)

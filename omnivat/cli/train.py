@@ -8,6 +8,7 @@ the temperatures to the last quarter; --no-calibration skips it.
 """
 
 import argparse
+from dataclasses import replace
 
 from omnivat.cli.arguments import (
     declare,
@@ -50,8 +51,8 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import require_head_folder, save_head
     from omnivat.head.head import parameter_count
-    from omnivat.training import STATE, TrainSettings, Watch
-    from omnivat.training.from_pairs import plan_training, trained_head
+    from omnivat.measure.known import scored
+    from omnivat.training import STATE, TrainSettings, Watch, plan_training, trained_head
 
     require_head_folder(options.out, also=(STATE,))
     head_values, train_values = head_and_training(options.set)
@@ -75,11 +76,14 @@ def run(options: argparse.Namespace) -> None:
     with progress_bar(f"train on {options.source}") as show:
         head = trained_head(
             plan,
-            repeat=options.repeat,
             calibrate=not options.no_calibration,
             resume=options.out / STATE,
             watch=Watch(on_step=show),
         )
+        others = [
+            trained_head(replace(plan, seed=seed), calibrate=False) for seed in options.repeat
+        ]
+    head = scored(head, plan.embeddings, others)
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
 
@@ -93,7 +97,7 @@ def _of_all(options: argparse.Namespace) -> None:
     """Train and write a head of all domains, and print what it reads right in domains left out."""
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import save_head
-    from omnivat.training.pooled import pooled_head
+    from omnivat.study.pooled import pooled_head
 
     if options.set or options.part or options.repeat or options.resume:
         raise SettingsError("With --source all, give --embeddings, --seed and --out only.")

@@ -92,7 +92,7 @@ def training_curves(
     """Return losses, accuracies, gaps and p over the epochs of a training; a panel without values
     is left out.
 
-    epochs   records of epochs, as `head.metrics["epochs"]` or `EpochReport` have them
+    epochs   records of epochs, as `head.metrics["epochs"]` or `maps.epochs.reporter` has them
     total    epochs of the whole training; None: those that are there
     classes  number of classes: a dotted line shows the accuracy of guessing
 

@@ -37,7 +37,7 @@ class HeadSettings:
     width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
-    maps: bool = False  # linear maps of photo, touch and both decide (omnivat/training/pooled.py)
+    maps: bool = False  # linear maps of photo, touch and both decide (omnivat/study/pooled.py)
     # classes before each teaching, by which later ones are added (omnivat/head/teach.py)
     taught: tuple[int, ...] = ()
     standardize: bool = True  # each channel by the source's profile (omnivat/data/profile.py)

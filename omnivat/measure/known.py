@@ -13,8 +13,8 @@ Known pairs are drawn and left out of the test; results are averaged over draws:
 A head, or any method as a `Reader`, is measured alike.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Any
 
@@ -25,13 +25,13 @@ from numpy.typing import NDArray
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import profile_of, profiled
 from omnivat.head.checkpoint import Head
+from omnivat.head.predict_set import label_map
 from omnivat.head.teach import Lesson
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.gaps.confusion import confusion
-from omnivat.measure.predictions import label_map, scores
+from omnivat.measure.gaps.confusion import confusion, scores
 from omnivat.measure.readers import Reader, of_head
 from omnivat.measure.rungs import DRAWS, FEW, NOTHING, Known, pairs
 from omnivat.measure.shares import record
@@ -251,6 +251,41 @@ def measured(
         "draws": means["fused"]["draws"] if means else [],
         "scores": {name: _ends(share) | f1[name] for name, share in means.items()},
         "domains": list(domains.values()),
+    }
+
+
+def scored(head: Head, embeddings: Embeddings, others: Sequence[Head] = ()) -> Head:
+    """Return a trained head with its scores on every domain of a set among its metrics.
+
+    others  heads of other seeds: their scores follow in metrics["seeds"]
+
+    Besides "seeds", the metrics get "order", "target_accuracy", "target_macro_f1" (means over
+    targets) and "domains" as in `measured`. Raises DataError for embeddings of another encoder.
+
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> metrics = scored(head, pairs, [head]).metrics
+    >>> round(metrics["target_accuracy"], 2), len(metrics["domains"]), len(metrics["seeds"])
+    (0.98, 4, 2)
+    """
+    heads = (head, *others)
+    found = [measured(one, embeddings) for one in heads]
+    seeds = [_summary(one, record) for one, record in zip(heads, found, strict=True)]
+    means = {name: value for name, value in seeds[0].items() if name not in ("seed", "domains")}
+    epochs = head.metrics.get("epochs", [])
+    metrics = {**means, "domains": found[0]["domains"], "epochs": epochs, "seeds": seeds}
+    return replace(head, metrics=metrics | {**head.metrics, **metrics})
+
+
+def _summary(head: Head, found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the scores of one seed: means over targets, and of each domain."""
+    return {
+        "seed": head.provenance.get("seed"),
+        "order": head.model.order,
+        "target_accuracy": found["accuracy"],
+        "target_macro_f1": found["scores"].get("fused", {}).get("macro_f1"),
+        "domains": {r["domain"]: r["scores"]["fused"] for r in found["domains"] if r["scores"]},
     }
 
 

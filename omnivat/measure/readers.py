@@ -13,8 +13,8 @@ from omnivat.data.profile import Profile
 from omnivat.head import teach
 from omnivat.head.checkpoint import Head
 from omnivat.head.linear_maps import FittedMaps
+from omnivat.head.predict_set import inputs_of, label_map, predicted, predicted_probabilities
 from omnivat.head.teach import Lesson
-from omnivat.measure.predictions import inputs_of, label_map, predicted, predicted_probabilities
 
 Rows = NDArray[np.int64]
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
+from omnivat.head.predict_set import blocks, label_map, predicted_probabilities
 from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.known import measured
-from omnivat.measure.predictions import blocks, label_map, predicted_probabilities
 from omnivat.measure.readers import of_head
 from omnivat.measure.shares import counted, record, shown
 

@@ -12,20 +12,18 @@ from numpy.typing import NDArray
 
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 from omnivat.head.checkpoint import Head
-from omnivat.head.head import OmniVaT, parameter_count
+from omnivat.head.head import parameter_count
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.measure.gaps.confusion import balance, confusion
-from omnivat.measure.known import few, measured
-from omnivat.measure.predictions import label_map, predicted_probabilities
-from omnivat.measure.readers import Reader
+from omnivat.measure.known import few, measured, scored
+from omnivat.measure.readers import Reader, of_head
 from omnivat.measure.shares import record, shown
 from omnivat.study.advice import PROBE, WORDS, Record, conclusion, percent, probe_of, sentence
 from omnivat.study.shift.probe import maps_of
 from omnivat.study.shift.reading import READINGS, Features
-from omnivat.training import TrainSettings, Watch, train
-from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
+from omnivat.training import TrainingPlan, TrainSettings, Watch, plan_training, trained_head
 from omnivat.training.training import steps_of
 
 EPOCHS = 40  # of every training
@@ -79,28 +77,22 @@ def try_pairs(
         why = "no single domain has pairs of two classes." if features.labelled else NO_CLASSES
         return Trial(head=None, lines=[f"No head was trained: {why}"])
     source = source or max(able, key=lambda name: len(features.members(name)))
-    own, objects = features.members(source), data.objects
-    own = own[data.labelled[own]]
+    plan, objects = _plan(features, source, seed), data.objects
+    own = plan.rows
     folds, alone = _folds(data.label[own], objects[own], seed)
-    plan = _plan(features, source, seed)
     each = plan.training.epochs * steps_of(len(plan.rows), plan.training)
     watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
+    head = trained_head(plan, watch=watch.part(0, whole))
     names = [name for view in features.views for name in (view, probe_of(view))]
     said = {name: np.full(len(own), -1) for name in names}
-    learned = plan.pairs
     for k, out in enumerate(folds):
-        fit, turn = own[~out], watch.part(k * each, whole)
-        model = train(
-            learned.select(~out),
-            plan.settings,
-            plan.training,
-            bank=plan.bank,
-            seed=seed,
-            watch=turn,
-        ).model
-        for name, labels in _answers(features, model, fit, own[out]).items():
-            said[name][out] = labels
-    head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
+        fit, turn = replace(plan, rows=own[~out]), watch.part((k + 1) * each, whole)
+        of_fold = of_head(trained_head(fit, calibrate=False, watch=turn))
+        for name_of, reader in ((str, of_fold), (probe_of, maps_of(features, "", fit.rows))):
+            answers = reader.answers(data, own[out], data.header.classes)
+            for view in features.views:
+                said[name_of(view)][out] = answers[READINGS[view]]
+    head = scored(head, data)
     lines = [_about(plan, source)]
     records = []
     if folds:
@@ -168,24 +160,6 @@ def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bo
     word = f"{alone} {'class has' if alone == 1 else 'classes have'}"
     left = f"{word} one object only: its pairs are trained on and not tested."
     return masks, [left] if alone and masks else []
-
-
-def _answers(features: Features, model: OmniVaT, fit: Rows, rows: Rows) -> dict[str, Labels]:
-    """Return the labels (n,) of `rows` by each reading of a head and of linear maps, which learned
-    `fit`.
-    """
-    data, names = features.embeddings, features.embeddings.header.classes
-    shares = predicted_probabilities(model, data, modalities=features.modalities, rows=rows)
-    place = label_map(names, model.settings.classes)
-    maps = maps_of(features, "", fit).answers(data, rows, names)
-    return {
-        name: labels
-        for view, reading in ((view, READINGS[view]) for view in features.views)
-        for name, labels in (
-            (view, place[shares[reading].argmax(-1).numpy()]),
-            (probe_of(view), maps[reading]),
-        )
-    }
 
 
 def _at_home(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> Record:

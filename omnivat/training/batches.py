@@ -11,9 +11,9 @@ from torch import Tensor
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.linear_maps import SPREAD_ROWS
+from omnivat.head.predict_set import label_map
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
-from omnivat.measure.predictions import label_map
 from omnivat.training.settings import DRAWN, TrainSettings
 
 Array = np.ndarray[Any, Any]

@@ -10,8 +10,8 @@ from app.serving.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
 from app.shared.jobs import Jobs
 from app.shared.messages import BusyError, CancelledError
 from app.shared.visitor_sets import VisitorSets
+from omnivat.head.predict_set import CHUNK
 from omnivat.kit.progress import CHECK
-from omnivat.measure.predictions import CHUNK
 
 from .conftest import LESSONS
 

@@ -18,7 +18,7 @@ from .conftest import until
 SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5}
 
 
-def stay(run, report):
+def stay(run, *report):
     """Stay in the first epoch until the training is cancelled."""
     while True:
         run.require_visitor()

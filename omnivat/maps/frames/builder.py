@@ -11,6 +11,7 @@ from torch import Tensor
 
 from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT
+from omnivat.head.predict_set import label_map
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -30,7 +31,6 @@ from omnivat.maps.sweep import (
     walk,
 )
 from omnivat.measure.gaps.unit import unit
-from omnivat.measure.predictions import label_map
 from omnivat.measure.shares import counted, mean_over_domains
 
 METHODS = ("pca", "umap")

@@ -10,13 +10,13 @@ from torch import Tensor
 from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT, PairCoefficients
 from omnivat.head.output import HeadOutput
+from omnivat.head.predict_set import blocks
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import STAGES, STILL
 from omnivat.kit.tables import unknown
 from omnivat.measure.gaps.measures import Facts
 from omnivat.measure.gaps.sums import Sums
-from omnivat.measure.predictions import blocks
 
 CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
 KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed

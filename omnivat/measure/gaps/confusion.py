@@ -82,3 +82,14 @@ def macro_f1(
     kept = truth + predictions > 0 if union else truth > 0
     scores = 2 * right[kept] / (truth + predictions)[kept]
     return scores.mean()
+
+
+def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
+    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the
+    predicted ones.
+    """
+    return {
+        "accuracy": float(accuracy(truth, predicted)),
+        "macro_f1": float(macro_f1(truth, predicted)),
+        "macro_f1_union": float(macro_f1(truth, predicted, union=True)),
+    }

@@ -17,12 +17,12 @@ from omnivat.data.embeddings import Embeddings
 from omnivat.data.numbers import are_numbers
 from omnivat.data.profile import Profile, profile_of
 from omnivat.head.linear_maps import standard_rows
+from omnivat.head.predict_set import label_map, predicted
 from omnivat.head.teach import Lesson
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import suggestion
 from omnivat.measure.known import few, parts
-from omnivat.measure.predictions import label_map, predicted
 from omnivat.measure.readers import Reader
 from omnivat.measure.rungs import NOTHING, Known, labels
 from omnivat.study.comparison.ridge import Map, folds_of, ridge, ridge_chosen

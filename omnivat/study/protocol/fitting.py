@@ -14,19 +14,19 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.encoders.lang.clip_prompts import load_prompts
 from omnivat.head.head import OmniVaT, parameter_count
+from omnivat.head.predict_set import label_map, predicted_probabilities
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_from
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import load
-from omnivat.measure.predictions import label_map, predicted_probabilities
+from omnivat.measure.guard import lang_guard
 from omnivat.study.baselines import BASELINES
 from omnivat.study.baselines.contract import Fitted, Predict, Rows, Source
 from omnivat.study.protocol.images import inputs, live_of, require_own_images, tensor
 from omnivat.study.protocol.methods import Method
 from omnivat.study.protocol.settings import Task
 from omnivat.training import TrainSettings, train
-from omnivat.training.guard import lang_guard
 
 T = TypeVar("T")
 

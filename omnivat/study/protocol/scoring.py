@@ -15,9 +15,10 @@ import torch
 from omnivat.data.packing import DIGITS, compact, digits, odds
 from omnivat.data.store import Embeddings
 from omnivat.head.output import READINGS
+from omnivat.head.predict_set import label_map
 from omnivat.measure.gaps.calibration import aurc, ece, nll
+from omnivat.measure.gaps.confusion import scores
 from omnivat.measure.gaps.sums import cosine_margin
-from omnivat.measure.predictions import label_map, scores
 from omnivat.study.protocol.fitting import Outcome
 from omnivat.study.protocol.records import Record
 

@@ -14,6 +14,7 @@ from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head import linear_maps
 from omnivat.head.checkpoint import load_head
 from omnivat.measure.known import measured
+from omnivat.measure.readers import Reader
 from omnivat.measure.shares import wilson
 from omnivat.study import advice, trial
 from omnivat.study.shift import read_features
@@ -64,21 +65,22 @@ def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, 
     save_embeddings(tmp_path / "mine.safetensors", make_embeddings())
     found = read_features(tmp_path / "mine.safetensors")
     learned, tested = [], []
-    train, predicted = trial.train, trial.predicted_probabilities
+    trained, answers = trial.trained_head, Reader.answers
 
-    def training(source, *rest, **more):
-        learned.append(set(source.rows["object"]))
-        return train(source, *rest, **more)
+    def training(plan, *, calibrate=True, **more):
+        if not calibrate:  # the head of a fold
+            learned.append(set(plan.pairs.rows["object"]))
+        return trained(plan, calibrate=calibrate, **more)
 
-    def predicting(model, data, *, rows, **more):
+    def answering(reader, data, rows, classes):
         tested.append({data.rows["object"][row] for row in rows})
-        return predicted(model, data, rows=rows, **more)
+        return answers(reader, data, rows, classes)
 
-    monkeypatch.setattr(trial, "train", training)
-    monkeypatch.setattr(trial, "predicted_probabilities", predicting)
+    monkeypatch.setattr(trial, "trained_head", training)
+    monkeypatch.setattr(Reader, "answers", answering)
     trial.try_pairs(found)
-    folds = list(zip(learned, tested, strict=False))
-    assert len(folds) == 5
+    folds = list(zip(learned, tested[::2], strict=False))
+    assert len(folds) == 5 and tested[:10:2] == tested[1:10:2]  # of the head, of linear maps
     assert all(not a & b for a, b in folds)
     assert set().union(*(b for _, b in folds)) == {
         name for name in found.embeddings.rows["object"] if name.startswith("TAG-sim")

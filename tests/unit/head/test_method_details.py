@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.predict_set import predicted_probabilities
 from omnivat.kit.errors import DataError
-from omnivat.measure.predictions import predicted_probabilities
+from omnivat.measure.guard import lang_guard
 from omnivat.training import TrainSettings, train
-from omnivat.training.guard import lang_guard
 from tests.builders import head_settings
 
 

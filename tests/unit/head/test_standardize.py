@@ -11,8 +11,7 @@ from omnivat.head.checkpoint import load_head
 from omnivat.head.head import build_head
 from omnivat.head.predict import predict_embeddings
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import plan_training, trained_head
+from omnivat.training import TrainSettings, plan_training, trained_head
 
 
 @pytest.fixture(scope="module")

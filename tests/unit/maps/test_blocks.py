@@ -8,8 +8,8 @@ import pytest
 from omnivat.data import arrays
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.head import build_head
+from omnivat.head.predict_set import predicted_probabilities
 from omnivat.maps.sweep import STAGES, curve_values, facts_of, sweep, walk
-from omnivat.measure.predictions import predicted_probabilities
 from omnivat.study.protocol.records import fingerprint
 from tests.builders import head_settings
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import plan_training, trained_head
+from omnivat.training import TrainSettings, plan_training, trained_head
 from tests.builders import move_domains
 
 

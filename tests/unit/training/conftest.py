@@ -1,10 +1,9 @@
 """One small source for the tests of training, heads that learn it, and what they get right."""
 
 import pytest
-import torch
 
 from omnivat.encoders.lang.bank import load_bank
-from omnivat.measure.predictions import predicted_probabilities
+from omnivat.head.predict_set import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from tests.builders import head_settings
 
@@ -23,8 +22,3 @@ def learned(source, *, head=None, seed=0, **settings):
 def accuracy(model, pairs, **options):
     shares = predicted_probabilities(model, pairs, **options)["fused"]
     return float((shares.argmax(-1).numpy() == pairs.label).mean())
-
-
-def equal_weights(first, second):
-    one, two = first.state_dict(), second.state_dict()
-    return all(torch.equal(one[name], two[name]) for name in one)

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from omnivat.fractional import dfrft
-from omnivat.measure.predictions import predicted_probabilities
+from omnivat.head.predict_set import predicted_probabilities
 from omnivat.training import TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (
     Scored,

@@ -9,11 +9,12 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError, OmniVatError
+from omnivat.measure.guard import lang_guard
 from omnivat.training import TrainSettings
 from omnivat.training.batches import batches
-from omnivat.training.guard import lang_guard
+from tests.builders import equal_weights
 
-from .conftest import accuracy, equal_weights, learned
+from .conftest import accuracy, learned
 
 
 @pytest.fixture(scope="module")

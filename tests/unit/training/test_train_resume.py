@@ -7,9 +7,7 @@ import pytest
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, Watch, train
-from tests.builders import head_settings
-
-from .conftest import equal_weights
+from tests.builders import equal_weights, head_settings
 
 
 class Stop(Exception):

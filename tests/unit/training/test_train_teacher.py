@@ -13,9 +13,9 @@ from omnivat.kit.errors import SettingsError
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.batches import batches
 from omnivat.training.steps import learn, make_optimiser
-from tests.builders import head_settings
+from tests.builders import equal_weights, head_settings
 
-from .conftest import accuracy, equal_weights
+from .conftest import accuracy
 
 EVERY = TrainSettings(epochs=8, lang=False, order_draw=True, order_teachers=2)
 

@@ -1,7 +1,6 @@
-"""Train and finish a head: calibration, familiarity, scores on every domain."""
+"""From a plan to a head: training, temperatures, familiarity, profile and provenance."""
 
 import platform
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -15,13 +14,12 @@ from omnivat.data.store import Embeddings
 from omnivat.head.calibration import familiarity_of, fit_calibration
 from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.fusion import Temperatures
+from omnivat.head.predict_set import label_map, predicted_logits
 from omnivat.kit.errors import DataError
-from omnivat.measure.known import measured
-from omnivat.measure.predictions import label_map, predicted_logits
-from omnivat.training import Trained, Watch, train
-from omnivat.training.from_pairs.plan import TrainingPlan
+from omnivat.training.plan import TrainingPlan
 from omnivat.training.selection import evidence
-from omnivat.training.watch import UNWATCHED
+from omnivat.training.training import Trained, train
+from omnivat.training.watch import UNWATCHED, Watch
 
 PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 
@@ -29,17 +27,15 @@ PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 def trained_head(
     plan: TrainingPlan,
     *,
-    repeat: Sequence[int] = (),
     calibrate: bool = True,
     resume: str | Path | None = None,
     watch: Watch = UNWATCHED,
 ) -> Head:
-    """Train a head as planned and evaluate it on all domains of the set; no head is written.
+    """Train a head as planned; no head is written. Its metrics hold "epochs" and "order_search".
 
-    repeat     train again with these seeds; their scores go into metrics["seeds"]
     calibrate  also fit temperatures to held-out source pairs (half as much time again)
     resume     file for the state after each epoch, from which a stopped training resumes
-    watch      callbacks of the first training
+    watch      callbacks of the training
 
     Raises the errors of `train`.
 
@@ -48,8 +44,8 @@ def trained_head(
     >>> light = TrainSettings(epochs=1, lang=False)
     >>> plan = plan_training(pairs, "Chirps A-sim", head={"width": 16}, training=light)
     >>> head = trained_head(plan, calibrate=False)  # `save_head` writes it
-    >>> head.source, len(head.metrics["domains"]), head.profile.counts
-    ('Chirps A-sim', 4, {'vis': 100, 'tac': 100})
+    >>> head.source, [*head.metrics], head.profile.counts
+    ('Chirps A-sim', ['epochs'], {'vis': 100, 'tac': 100})
     """
     pairs = plan.pairs
     trained = _trained(plan, pairs, resume=resume, watch=watch)
@@ -67,28 +63,15 @@ def trained_head(
     except DataError:  # all training images are of one object
         known = None
     header, step = plan.embeddings.header, STEP_SHIFTED if plan.training.shift else 1.0
-    head = Head(
+    search = {"order_search": trained.search} if trained.search else {}
+    return Head(
         model=model,
         encoder=dict(zip(ENCODER, header.key, strict=True)),
         provenance=provenance,
         familiarity=known,
         profile=replace(trained.profile, domain=plan.source, step=step),
+        metrics={"epochs": trained.epochs} | search,
     )
-    found = measured(head, plan.embeddings)
-    summary = _summary(plan.seed, head, found)
-    means = {name: value for name, value in summary.items() if name not in ("seed", "domains")}
-    others = []
-    for seed in repeat:
-        other = replace(head, model=_trained(replace(plan, seed=seed), pairs).model)
-        others.append(_summary(seed, other, measured(other, plan.embeddings)))
-    metrics = {
-        **means,
-        "domains": found["domains"],
-        "epochs": trained.epochs,
-        "seeds": [summary, *others],
-        **({"order_search": trained.search} if trained.search else {}),
-    }
-    return replace(head, metrics=metrics)
 
 
 def _trained(
@@ -150,15 +133,4 @@ def _provenance(plan: TrainingPlan) -> dict[str, Any]:
             "python": platform.python_version(),
             **{name: version(name) for name in PACKAGES},
         },
-    }
-
-
-def _summary(seed: int, head: Head, found: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the scores of one seed: means over targets, and of each domain."""
-    return {
-        "seed": seed,
-        "order": head.model.order,
-        "target_accuracy": found["accuracy"],
-        "target_macro_f1": found["scores"].get("fused", {}).get("macro_f1"),
-        "domains": {r["domain"]: r["scores"]["fused"] for r in found["domains"] if r["scores"]},
     }

@@ -12,8 +12,9 @@ from omnivat.head.linear_maps import fit_maps
 from omnivat.head.predict import predict_embeddings
 from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings, pooled
-from omnivat.training.pooled import ALL, _pooled, level, pooled_head, with_maps
+from omnivat.study import pooled
+from omnivat.study.pooled import ALL, _pooled, level, pooled_head, with_maps
+from omnivat.training import TrainSettings
 from tests.builders import move_domains
 
 DOMAINS = ("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim")

@@ -30,8 +30,7 @@ from omnivat.measure import rungs
 from omnivat.measure.known import measured, parts
 from omnivat.measure.readers import of_maps
 from omnivat.measure.rungs import DRAWS
-from omnivat.training import TrainSettings, Watch
-from omnivat.training.from_pairs import plan_training, trained_head
+from omnivat.training import TrainSettings, Watch, plan_training, trained_head
 
 ALL = "all domains"  # the source of such a head
 PICTURES = (0, 5, 20)  # of a left-out domain, without labels

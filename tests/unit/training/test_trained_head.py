@@ -1,4 +1,4 @@
-"""From pairs to a finished head in memory: what it reports, that it stops, that the CLI agrees."""
+"""From a plan to a head in memory: what it holds, that it stops, that the command agrees."""
 
 from contextvars import copy_context
 
@@ -10,11 +10,9 @@ from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import CHECK
-from omnivat.maps.sweep import sweep
-from omnivat.training import TrainSettings, Watch
-from omnivat.training.from_pairs import plan_like, plan_training, reporter, trained_head
-
-from ..conftest import equal_weights
+from omnivat.measure.known import scored
+from omnivat.training import TrainSettings, Watch, plan_like, plan_training, trained_head
+from tests.builders import equal_weights
 
 SHORT = TrainSettings(epochs=3)
 SMALL = {"width": 16}
@@ -35,35 +33,11 @@ def parted(make_embeddings):
 
 
 @pytest.fixture(scope="module")
-def watched(parted):
-    reports, plan = [], planned(parted)
-    watch = Watch(on_epoch=reporter(plan, reports.append, every=2))
-    return trained_head(plan, watch=watch), reports
+def head(parted):
+    return trained_head(planned(parted))
 
 
-def test_every_epoch_is_reported_and_the_last_one_is_measured(watched):
-    _, reports = watched
-    assert [report.epoch for report in reports] == [1, 2, 3]
-    assert [bool(report.measures) for report in reports] == [False, True, True]
-    assert [report.map is not None for report in reports] == [False, True, True]
-    assert all(set(report.losses) == {"loss", "mma", "nod", "cross_entropy"} for report in reports)
-
-
-def test_the_last_report_agrees_with_the_finished_head(watched, parted):
-    head, reports = watched
-    measures = reports[-1].measures
-    assert measures["accuracy/unseen"] == pytest.approx(head.metrics["target_accuracy"])
-    home = head.metrics["domains"][0]["scores"]
-    assert measures["accuracy/source_test"] == pytest.approx(home["fused"]["accuracy"])
-    assert measures["accuracy:tac/source_test"] == pytest.approx(home["tac"]["accuracy"])
-    curves = sweep(head.model, parted, [head.model.order]).curves
-    for name in ("modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat"):
-        assert measures[name] == pytest.approx(float(curves[name][0]), abs=1e-5)
-    assert reports[-1].map.shape == (2 * len(parted), 2)
-    assert reports[-1].order == head.model.order
-
-
-def test_the_command_writes_the_head_that_the_function_returns(watched, parted, tmp_path):
+def test_the_command_writes_the_head_that_the_function_returns(head, parted, tmp_path):
     save_embeddings(tmp_path / "set.safetensors", parted)
     command = ["train", "--embeddings", str(tmp_path / "set.safetensors"), "--source", "TAG-sim"]
     assert (
@@ -72,9 +46,9 @@ def test_the_command_writes_the_head_that_the_function_returns(watched, parted, 
         )
         == 0
     )
-    head, written = watched[0], load_head(tmp_path / "head")
+    written = load_head(tmp_path / "head")
     assert equal_weights(head.model, written.model)
-    assert written.metrics["target_accuracy"] == head.metrics["target_accuracy"]
+    assert written.metrics == scored(head, parted).metrics
     assert written.model.temperatures == head.model.temperatures
 
 
@@ -84,7 +58,7 @@ def test_pairs_without_a_class_are_left_out_of_training_and_counted(pairs, witho
     assert plan.settings.classes == pairs.header.classes[:3]
     assert (len(plan.rows), plan.left_out) == (24, 16)
     assert plan.bank is not None  # texts are wanted of classes alone
-    head = trained_head(plan, calibrate=False)
+    head = scored(trained_head(plan, calibrate=False), some)
     assert head.settings.classes == pairs.header.classes[:3]
     assert (head.provenance["pairs"], head.provenance["left_out"]) == (24, 16)
     assert [one["left_out"] for one in head.metrics["domains"]] == [16, 16]
@@ -126,8 +100,7 @@ def test_a_domain_without_pairs_of_a_part_is_refused(pairs):
         plan_training(empty, "TAG-sim")
 
 
-def test_a_plan_like_a_head_has_its_settings_and_source(watched, parted):
-    head, _ = watched
+def test_a_plan_like_a_head_has_its_settings_and_source(head, parted):
     plan = plan_like(head, parted)
     assert plan.settings == head.settings and plan.training == SHORT
     assert (plan.source, plan.seed) == ("TAG-sim", 0)

@@ -14,7 +14,7 @@ from omnivat.head.checkpoint import Head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_from
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings
+from omnivat.training.settings import TrainSettings
 from omnivat.training.state import run_name
 
 FROM_DATA = ("classes", "input_width", "lang_width")

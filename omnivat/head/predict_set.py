@@ -1,4 +1,4 @@
-"""Predict the pairs of a set with a head, some at a time, and score predictions."""
+"""Predict the pairs of a set with a head, some at a time."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -15,7 +15,6 @@ from omnivat.head.head import OmniVaT
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.gaps.confusion import accuracy, macro_f1
 
 Rows = NDArray[np.int64]
 CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
@@ -116,14 +115,3 @@ def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.nd
 def inputs_of(head: Head) -> tuple[str, ...]:
     """Return the images that a head was trained with: "vis", "tac" or both."""
     return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
-
-
-def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
-    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the
-    predicted ones.
-    """
-    return {
-        "accuracy": float(accuracy(truth, predicted)),
-        "macro_f1": float(macro_f1(truth, predicted)),
-        "macro_f1_union": float(macro_f1(truth, predicted, union=True)),
-    }

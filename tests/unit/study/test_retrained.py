@@ -7,16 +7,13 @@ import torch
 from omnivat.cli import main
 from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
+from omnivat.head.predict_set import predicted_probabilities
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.sweep import sweep
-from omnivat.measure.predictions import predicted_probabilities
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import plan_training, trained_head
-from omnivat.training.from_pairs.at_stops import heads_at_stops, stop_folder
-from omnivat.training.retrained import retrained_frames
-
-from ..conftest import equal_weights
+from omnivat.study.retrained import heads_at_stops, retrained_frames, stop_folder
+from omnivat.training import TrainSettings, plan_training, trained_head
+from tests.builders import equal_weights
 
 ORDERS = (0.0, 0.5, 1.0)
 

@@ -8,12 +8,12 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.fusion import fused_logs
 from omnivat.head.head import OmniVaT
+from omnivat.head.predict_set import CHUNK, label_map, predicted_probabilities
 from omnivat.head.training import training_pass
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.confusion import accuracy
-from omnivat.measure.predictions import CHUNK, label_map, predicted_probabilities
 
 
 @torch.no_grad()

@@ -1,7 +1,7 @@
-"""Report of an epoch: losses, gaps, accuracies and a map, for the page."""
+"""What a training shows of its epochs: losses, gaps, accuracies and a map."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import torch
@@ -10,40 +10,19 @@ from torch import Tensor
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.head import OmniVaT
-from omnivat.kit.stages import IMAGES
+from omnivat.head.predict_set import label_map
+from omnivat.maps.frames.builder import stacked
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import AtOrder, curve_values, facts_of, walk
-from omnivat.measure.gaps.unit import unit
-from omnivat.measure.predictions import label_map
 from omnivat.measure.shares import counted, mean_over_domains
-from omnivat.training.from_pairs.plan import TrainingPlan
+from omnivat.training.plan import TrainingPlan
 from omnivat.training.watch import OnEpoch
 
 GAPS = ("modality_gap", "domain_gap", "margin")
 LOSSES = ("loss", "mma", "nod", "cross_entropy")
 STAGE = "f_hat"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EpochReport:
-    """One epoch of a training.
-
-    epoch     counted from 1, of `total`
-    losses    means over the epoch: "loss", "mma", "nod", "cross_entropy"
-    order     the learned p after the epoch
-    measures  "modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat" of all pairs;
-              "accuracy/source_test", "accuracy/unseen" (both images; ":vis" or ":tac" for one
-              modality alone) of test pairs. Empty if not measured
-    map       (2N, 2) PCA of F̂, VIS rows first, aligned with the previous map; or None
-    """
-
-    epoch: int
-    total: int
-    losses: Mapping[str, float]
-    order: float
-    measures: Mapping[str, float] = field(default_factory=dict)
-    map: NDArray[np.float64] | None = None
+Show = Callable[[dict[str, Any], NDArray[np.float64] | None], None]
 
 
 class Meter:
@@ -67,7 +46,10 @@ class Meter:
         return found
 
     def measures(self, at_order: AtOrder) -> dict[str, float]:
-        """Return the measures of `EpochReport`, without undefined ones."""
+        """Return "modality_gap/f_hat", "domain_gap/f_hat" and "margin/f_hat" of all pairs, and
+        "accuracy/source_test" and "accuracy/unseen" of test pairs (of both images; "accuracy:vis"
+        or "accuracy:tac" of one alone), without undefined ones.
+        """
         gaps = {name: value for _, name, value in curve_values(at_order, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
         home = self.embeddings.header.domains.index(self.source)
@@ -83,24 +65,26 @@ class Meter:
         return {name: value for name, value in kept.items() if np.isfinite(value)}
 
 
-def reporter(plan: TrainingPlan, show: Callable[[EpochReport], None], *, every: int) -> OnEpoch:
-    """Return a `Watch.on_epoch` that shows a report of each epoch, with measures and a map of every
-    `every`th and the last.
+def reporter(plan: TrainingPlan, show: Show, *, every: int) -> OnEpoch:
+    """Return a `Watch.on_epoch` that calls `show(record, map)` after each epoch.
+
+    record  "epoch", from 1; "order", p after it; means over it: "loss", "mma", "nod" and
+            "cross_entropy"; after every `every`th epoch and the last also `Meter.measures`
+    map     (2N, 2) PCA of F̂, VIS rows first, aligned with the map before it, where there are
+            measures; else None
     """
-    total = plan.training.epochs
     before: Tensor | None = None
     meter = Meter(plan.embeddings, plan.settings.classes, plan.source)
 
     def take(record: dict[str, float], model: OmniVaT) -> None:
         nonlocal before
-        epoch, losses = int(record["epoch"]) + 1, {name: record[name] for name in LOSSES}
-        report = EpochReport(epoch=epoch, total=total, losses=losses, order=record["order"])
-        if epoch == total or epoch % every == 0:
-            found = meter.at(model, record["order"])
-            flat = pca.project(torch.cat([unit(found.features[STAGE][n]) for n in IMAGES]))
-            before = flat if before is None else aligned(flat, before)
-            points = np.asarray(before.double().cpu())
-            report = replace(report, measures=meter.measures(found), map=points)
-        show(report)
+        epoch = int(record["epoch"]) + 1
+        shown = {"epoch": epoch, "order": record["order"], **{n: record[n] for n in LOSSES}}
+        if epoch < plan.training.epochs and epoch % every:
+            return show(shown, None)
+        found = meter.at(model, record["order"])
+        flat = pca.project(stacked(found.features[STAGE]))
+        before = flat if before is None else aligned(flat, before)
+        show(shown | meter.measures(found), np.asarray(before.double().cpu()))
 
     return take
