@@ -90,6 +90,17 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
         words = f"sizes={sizes}&as={chosen.choice(('figures', 'npy', 'ply', '', 'x'))}&theme=%00"
         way = chosen.choice((f"relief?{words}", "live?modality=tac"))
         send("touches", f"image {k} to {way}", f"/omnivat/{way}", content=content)
+        name = chosen.choice(("file:0", "file:1", "file:", "file:٣", "unread:x", "image:x:AAAA"))
+        place = chosen.choice((name, [name], {"vis": name}, [[name]]))
+        question: dict[str, Any] = {
+            chosen.choice(("vis", "tac", "pairs", "lessons", "touches")): place
+        }
+        text = json.dumps(question | {"names": chosen.choice((None, "x", [1], ["a"]))}).encode()
+        cut = chosen.choice((len(text), len(text) - 1, 0))
+        way = f"{chosen.choice(list(QUESTIONS))}?sizes={cut},{len(text) + len(content) - cut}"
+        send(
+            "touches", f"image {k}, {question} to {way}", f"/omnivat/{way}", content=text + content
+        )
         if len(content) < 2_000_000:
             address = "data:image/png;base64," + b64encode(content).decode()
             send("api", f"image {k}", "/omnivat/api/predict", json={"vis": address})

@@ -55,7 +55,7 @@ class Ordinary(Visitor):
         kinds: dict[str, tuple[str, Any]] = {
             "drag": ("omnivat/pair", {"vis": row, "tac": row}),
             "fact": ("omnivat/about", None),
-            "upload": ("omnivat/image?name=x", self.upload),
+            "upload": self.upload,
         }
         while time.monotonic() < until:
             time.sleep(chance.expovariate(1 / PAUSE_S))
@@ -186,7 +186,7 @@ def main() -> int:
     with started() as (server, address, _):
         one = Visitor(address, 0)
         one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
-        one.image(0)  # head, set and encoder are loaded
+        one.own_pair(0)  # head, set and encoder are loaded
         event = small_training(one)
         found: dict[str, Any] = {
             name: watched(address, chosen.visitors, 60 * minutes, given)

@@ -34,11 +34,13 @@ from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/quick.json")
 PROFILE, PAIRS, DRAGS, EVERY = 20, 10, 20, 5  # pictures, own pairs; drags; each 5th visitor trains
+AT_ONCE = 10  # pictures of one request
+OWN_PAIR = {"vis": "file:0", "tac": "file:1", "with": ["familiar", "journey", "moving"]}
 # figure -> what it is, and its target on a quiet machine
 FIGURES = {
     "first_page_s": ("process start to first page, s", 2.0),
     "first_page_mb": ("server after the first page, its map, head and set, MB", 350),
-    "own_pair_s": ("own pair, from the drop to three readings, s", 0.5),
+    "own_pair_s": ("own pair, from the drop to readings, neighbours, map and nodes, s", 0.5),
     "profile_s": ("profile from 20 pictures, s", 1.0),
     "drag_p95_s": ("visitors at once: a drag, 95th percentile, s", 0.3),
     "upload_p95_s": ("visitors at once: an upload, 95th percentile, s", 3.0),
@@ -54,6 +56,12 @@ def picture(number: int) -> bytes:
     return encoded(small.resize((640, 480)), "JPEG", quality=90)
 
 
+def with_files(path: str, question: dict[str, Any], *files: bytes) -> tuple[str, bytes]:
+    """Return the path and the body of a question with pictures after it."""
+    parts = [json.dumps(question).encode(), *files]
+    return f"{path}?sizes={','.join(str(len(part)) for part in parts)}", b"".join(parts)
+
+
 class Visitor:
     """One visitor: an address of its own, as a proxy would report it, and one open connection,
     as in a browser.
@@ -62,7 +70,8 @@ class Visitor:
     def __init__(self, address: str, number: int) -> None:
         self.connection, self.number = HTTPConnection(urlsplit(address).netloc), number
         self.headers = {"X-Forwarded-For": f"10.1.{number // 250}.{number % 250 + 1}"}
-        self.upload = picture(1000 * number + 999)
+        question = {**OWN_PAIR, "tac": None}
+        self.upload = with_files("omnivat/pair", question, picture(1000 * number + 999))
 
     def send(self, path: str, body: bytes | dict[str, Any] | None = None) -> Any:
         """Return the JSON reply of a POST, or of a GET without a body."""
@@ -76,23 +85,26 @@ class Visitor:
             raise HTTPException(f"{path}: {reply.status}")
         return json.loads(whole)
 
-    def image(self, number: int) -> str:
-        """Upload a picture; return its reference."""
-        ref: str = self.send("omnivat/image?name=x", picture(1000 * self.number + number))["ref"]
-        return ref
+    def pictured(self, path: str, question: dict[str, Any], *files: bytes) -> Any:
+        """Return the reply to a question with pictures, "file:0" and so on."""
+        return self.send(*with_files(path, question, *files))
 
     def own_pair(self, number: int) -> float:
-        """Return the seconds from two new pictures to their three readings."""
+        """Return the seconds from two new pictures to all that the page shows of them."""
         began = time.perf_counter()
-        pair = {name: self.image(2 * number + k) for k, name in enumerate(("vis", "tac"))}
-        assert len(self.send("omnivat/pair", pair)["exact"]["readings"]) >= 3
+        first = 1000 * self.number + 2 * number
+        found = self.pictured("omnivat/pair", OWN_PAIR, picture(first), picture(first + 1))
+        assert len(found["exact"]["readings"]) >= 3
         return time.perf_counter() - began
 
     def profile(self, first: int) -> float:
         """Return the seconds from PROFILE new pictures to their profile."""
-        began = time.perf_counter()
-        refs = [self.image(first + k) for k in range(PROFILE)]
-        self.send("omnivat/profile", {"touches": refs})
+        began, made = time.perf_counter(), {"profile": ""}
+        for start in range(first, first + PROFILE, AT_ONCE):
+            names = [f"file:{k}" for k in range(AT_ONCE)]
+            question = {"touches": names, "profile": made["profile"]}
+            files = (picture(1000 * self.number + start + k) for k in range(AT_ONCE))
+            made = self.pictured("omnivat/profile", question, *files)
         return time.perf_counter() - began
 
     def more(self, training: dict[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -105,7 +117,7 @@ class Visitor:
         if self.number % EVERY == 2:
             lessons = [{"vis": row, "tac": row, "label": str(k % 2)} for k, row in enumerate(rows)]
             return "omnivat/teach", {"lessons": lessons}
-        return "omnivat/place", {"vis": self.image(0), "order": 0.3, "map": "umap"}
+        return "omnivat/journey", {"vis": rows[0], "tac": rows[1]}
 
     def visit(self, training: dict[str, Any], *, mixed: bool) -> Iterator[tuple[str, float]]:
         """Drag p, upload a picture, drag again; some train, or do another thing meanwhile.
@@ -129,7 +141,7 @@ class Visitor:
             row = f"row:{self.number * DRAGS + k}"
             yield timed("drag", "omnivat/pair", {"vis": row, "tac": row, "order": k / DRAGS})
             if k == DRAGS // 2:
-                yield timed("upload", "omnivat/image?name=x", self.upload)
+                yield timed("upload", *self.upload)
 
 
 def small_training(visitor: Visitor) -> dict[str, Any]:

@@ -40,12 +40,15 @@ from omnivat.kit.errors import OmniVatError
 from omnivat.kit.files import write_json, write_text
 
 PAGE = '<!doctype html><meta charset="utf-8"><title>models</title><link rel="icon" href="data:,">'
-ASK = """async ([path, query, body]) => {
+ASK = """async ([path, question, file]) => {
   const { respond } = await import('./web/site/local.js');
   const bytes = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
   const began = performance.now();
-  const response = await respond({ set: 'sensors', path, query: new URLSearchParams(query), models,
-    body: body.file === undefined ? JSON.stringify(body) : new Blob([bytes(body.file)]) });
+  const all = [JSON.stringify(question), ...(file ? [bytes(file)] : [])];
+  const parts = all.map((one) => new Blob([one]));
+  const query = new URLSearchParams(file ? { sizes: parts.map(({ size }) => size) } : {});
+  const body = file ? new Blob(parts) : JSON.stringify(question);
+  const response = await respond({ set: 'sensors', path, query, models, body });
   return [response.status, await response.json(), performance.now() - began];
 }"""
 WANTED = 0.005
@@ -71,19 +74,16 @@ class Site:
         """Return what was fetched from other hosts."""
         return [one for one in self.fetched if one.startswith("http") and "//localhost" not in one]
 
-    def ask(self, path: str, body: Any, query: str = "") -> tuple[int, Any, float]:
-        """Return status, reply and milliseconds of one request; bytes are sent as a file."""
-        if isinstance(body, bytes):
-            body = {"file": base64.b64encode(body).decode()}
-        status, reply, ms = self.page.evaluate(ASK, [path, query, body])
+    def ask(self, path: str, question: Any, file: bytes = b"") -> tuple[int, Any, float]:
+        """Return status, reply and milliseconds of one request, with a picture after it."""
+        sent = [path, question, base64.b64encode(file).decode()]
+        status, reply, ms = self.page.evaluate(ASK, sent)
         return status, reply, ms
 
-    def sent(self, content: bytes) -> str:
-        """Send a picture; return its reference."""
-        status, reply, _ = self.ask("image", content)
-        if status != 200:
-            raise ValueError(reply["error"])
-        return str(reply["ref"])
+    def read(self, content: bytes) -> dict[str, Any]:
+        """Return what the page reads in a photo, and its prediction; or the `problem`."""
+        _, reply, _ = self.ask("pair", {"vis": "file:0", "names": ["the image"]}, content)
+        return dict(reply)
 
 
 class Line:
@@ -212,7 +212,7 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
         pair = {
             name: embedded(resources, decoder, content, name) for name, content in files.items()
         }
-        refs = {name: site.sent(content) for name, content in files.items()}
+        refs = {name: site.read(content)["pictures"][0]["ref"] for name, content in files.items()}
         _, reply, _ = site.ask("pair", refs)
         gap, more = compared(reply["exact"]["readings"], classes, expected(resources, pair))
         gaps["pictures"].append(gap)
@@ -282,16 +282,15 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
     classes = list(resources.head().settings.classes)
     found: dict[str, Any] = {}
     for name, content in odd_pictures(resources).items():
-        status, reply, _ = site.ask("image", content)
+        reply = site.read(content)
         try:
             row = embedded(resources, decoder, content, "vis")
         except OmniVatError as error:
-            found[name] = {"server": str(error), "browser": reply.get("error", "taken")}
+            found[name] = {"server": str(error), "browser": reply.get("problem", "taken")}
             continue
-        if status != 200:
-            found[name] = {"server": "taken", "browser": reply["error"]}
+        if "problem" in reply:
+            found[name] = {"server": "taken", "browser": reply["problem"]}
             continue
-        _, reply, _ = site.ask("pair", {"vis": reply["ref"]})
         (wanted,) = predict_embeddings(resources.head(), row, None)
         gap, changed = compared(
             reply["exact"]["readings"], classes, {"vis": wanted["probabilities"]}

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.explore.map_place import kept_features
+from app.shared.map_place import kept_features
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of, order_from
 from app.shared.tables import tables

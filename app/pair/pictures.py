@@ -1,16 +1,18 @@
-"""Replies to a request whose body is a picture: its name for later, a live prediction, or
-occlusion.
+"""Pictures that come with a request: read once, and sent back as their embeddings; and a live
+prediction, and occlusion.
 """
 
 import base64
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.shared.familiar import predict_one
 from app.shared.mend import mend_in, mended
 from app.shared.pair_input import OTHER, pair_request, rounded
+from app.shared.requests import FILES
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 Content = bytes | Path  # a picture, or its file
+IMAGE_KEYS = ("vis", "tac", "photos", "touches")  # of a question, of its pairs and lessons
 BOTH = "both"
 PREVIEW_SIDE = 320  # pixels of the preview
 CELLS = 7  # of occlusion, for each side of the picture shown
@@ -31,7 +34,9 @@ SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
 
 def taken(resources: Resources, content: Content, question: Question) -> Reply:
-    """Embed an image; return its name and a small preview. The picture itself is not kept."""
+    """Read an image; return its embeddings, for later requests, its size and a small preview.
+    Nothing of it is kept.
+    """
     ref, found = resources.take_image(content, name_in(question), mend_in(question))
     return {
         "ref": str(ref),
@@ -39,6 +44,55 @@ def taken(resources: Resources, content: Content, question: Question) -> Reply:
         "height": found.height,
         "preview": preview(found.image),
     }
+
+
+def with_pictures(work: Callable[..., Any], resources: Resources, question: Question) -> Any:
+    """Do some work on a question whose "file:0", … are the pictures that came with it.
+
+    question  "names": what each is called in a sentence
+    return    the reply, and `pictures`: of each, as `taken` has it, or the `problem` of one that
+              cannot be read; null for one that the question does not name; where such a problem
+              leaves no reply, only them and `problem`
+    """
+    files, names = question.get(FILES, []), question.get("names")
+    if not files:
+        return work(resources, question)
+    read: list[Reply | None] = [None] * len(files)
+
+    def embedded(value: Any) -> Any:
+        """Return an image of the question, one that came as a file by its embeddings."""
+        number = value.removeprefix("file:") if isinstance(value, str) else ""
+        if number == value or not number.isdecimal() or int(number[:4]) >= len(files):
+            return value
+        at = int(number)
+        if (found := read[at]) is None:
+            name = names[at] if isinstance(names, list) and at < len(names) else ""
+            checkpoint()
+            try:
+                found = taken(resources, files[at], {**question, "name": name})
+            except DataError as error:
+                found = {"problem": str(error)}
+            read[at] = found
+        return found.get("ref") or f"unread:{found['problem']}"
+
+    def filled(part: Any) -> Any:
+        images = {key: part[key] for key in IMAGE_KEYS if isinstance(part, dict) and key in part}
+        for key, value in images.items():
+            many = isinstance(value, list)
+            images[key] = [embedded(one) for one in value] if many else embedded(value)
+        return {**part, **images} if images else part
+
+    whole = {**filled(question)}
+    for key in ("pairs", "lessons"):
+        if isinstance(question.get(key), list):
+            whole[key] = [filled(one) for one in question[key]]
+    try:
+        reply = work(resources, whole)
+    except DataError as error:
+        if not any(one and "problem" in one for one in read):
+            raise
+        reply = {"problem": str(error)}
+    return {**reply, "pictures": read} if isinstance(reply, dict) else reply
 
 
 def name_in(question: Question) -> str:
@@ -106,10 +160,10 @@ def _parts(content: Content, question: Question) -> dict[str, Content]:
     return {"vis": whole[:end], "tac": whole[end:]}
 
 
-def occlusion(resources: Resources, content: Content, question: Question) -> Reply:
+def occlusion(resources: Resources, question: Question) -> Reply:
     """Hide each part of an image in turn, predict again, and measure the change of the probability.
 
-    question  {"modality": "vis" or "tac", "other": reference of the other image}; and see
+    question  {"modality": "vis" or "tac", whose picture came with it; the other image}; and see
               `pair_request`
     return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of the
               probability when a part is hidden; negative for an increase
@@ -123,7 +177,9 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
     from omnivat.encoders.base import for_modality
 
     modality = one_of("modality", question.get("modality"), OTHER)
-    image = decoded(resources, content, question, modality)
+    if not question.get(FILES):
+        raise DataError("Send the picture with the request, after the question.")
+    image = decoded(resources, question[FILES][0], question, modality)
     image.thumbnail((SIDE, SIDE))
     whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
     shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]
@@ -134,8 +190,7 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
         for few in torch.stack(pixels).split(AT_ONCE):
             checkpoint()
             parts.append(encoder.embed(few))
-    beside = {**question, OTHER[modality]: question.get("other")}
-    named = pair_request(resources, beside, {modality: torch.cat(parts)})
+    named = pair_request(resources, question, {modality: torch.cat(parts)})
     with torch.inference_mode():
         out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
         predicted = int(out.probabilities[0].argmax())

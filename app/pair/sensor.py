@@ -28,8 +28,9 @@ def profile(resources: Resources, question: Question) -> Reply:
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
     return    `profile`, its name, `counts` of pictures by modality, how touches are mended
 
-    Raises DataError for no images or too many, or a head without its source's profile;
-    ForgottenError for an image that is not kept.
+    Pictures that came with the question and cannot be read are left out.
+
+    Raises DataError for no images or too many, or a head without its source's profile.
     """
     import numpy as np
 
@@ -44,10 +45,13 @@ def profile(resources: Resources, question: Question) -> Reply:
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels, mend = dict(before.channels) if before else {}, mend_in(question)
     for name, some in given.items():
-        rows = [resources.embedding(ref, name, mend) for ref in map(ref_from, some) if ref]
+        read = [one for one in some if not str(one).startswith("unread:")]
+        rows = [resources.embedding(ref, name, mend) for ref in map(ref_from, read) if ref]
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
+    if not channels:
+        ref_from(next(one for some in given.values() for one in some))  # why it cannot be read
     made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way_in(mend))
     kept = _kept(resources, replace(before, channels=channels) if before else made)
     return {**kept, "mend": mend}

@@ -1,16 +1,18 @@
 """Try a pair: the head's predictions for one pair, and their reliability."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.shared.familiar import looked_at, predict_one, readings_of
+from app.shared.familiar import familiar, looked_at, predict_one, readings_of
+from app.shared.map_place import journey
 from app.shared.messages import without_places
-from app.shared.pair_input import pair_request, rounded, within
+from app.shared.pair_input import pair_request, reader_of, rounded, within
 from app.shared.resources import Resources
 from app.shared.state import ForgottenError, Question, Reply
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import STOPS
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
 MOST_AT_ONCE = 25  # pairs of one request; a page with more sends several
+Work = Callable[[Resources, Question], Reply]
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 
 
@@ -41,13 +44,37 @@ def predicted(resources: Resources, question: Question) -> Reply:
 
     question  {"vis": reference or None, "tac": reference or None, "order": p or None,
               "head": name of a comparison head, the first one if left out,
-              "lessons": the visitor's labelled pairs, to predict by a head taught from them}
+              "lessons": the visitor's labelled pairs, to predict by a head taught from them;
+              "with": names of PARTS, what else to return of the pair}
     return    classes, the learned order and the `span` of orders the head was trained for;
               `linear`: whether linear maps decide, in which p has no part;
               `exact`: class probabilities of each reading at that order; `stops`: the same at
               each of STOPS, without branches; spectra; `images`: the familiarity of each image,
               as `app.shared.familiar.looked_at` has it
+              each of `with`, or its `problem`
     """
+    wanted = question.get("with") or []
+    if not isinstance(wanted, list) or any(str(one) not in PARTS for one in wanted):
+        raise DataError(f"with has to be a list of {', '.join(PARTS)}.")
+    reply = _predicted(resources, question)
+    for name in map(str, wanted):
+        if name != "moving" or reply["linear"]:
+            reply[name] = _quietly(PARTS[name], resources, question)
+    return reply
+
+
+def _quietly(part: Work, resources: Resources, question: Question) -> Reply:
+    """Return a part of the reply on a pair, or its `problem`."""
+    checkpoint()
+    try:
+        return part(resources, question)
+    except ForgottenError:
+        raise
+    except DataError as error:
+        return {"problem": without_places(str(error))}
+
+
+def _predicted(resources: Resources, question: Question) -> Reply:
     import torch
 
     from omnivat.kit.threads import one_thread
@@ -79,18 +106,22 @@ def many(resources: Resources, question: Question) -> Reply:
 
     question  {"pairs": [{"vis", "tac": references}, …], at most MOST_AT_ONCE; "lessons"}
     return    classes; `pairs`: `readings` and `images` of each, as
-              `app.shared.familiar.predict_one` has them
+              `app.shared.familiar.predict_one` has them, or its `problem`
 
-    Raises DataError for another number of pairs, ForgottenError for a picture that is not kept.
+    Raises DataError for another number of pairs, ForgottenError for a profile that is not kept.
     """
     given = question.get("pairs")
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
     if not 0 < len(given) <= MOST_AT_ONCE:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
-    pairs = [pair_request(resources, within(question, one)) for one in given]
-    found = [predict_one(named) for named in pairs]
-    return {"classes": list(pairs[0].head.settings.classes), "pairs": found}
+    head, _ = reader_of(resources, question)
+
+    def read(_: Resources, one: Question) -> Reply:
+        return predict_one(pair_request(resources, within(question, one)))
+
+    found = [_quietly(read, resources, one) for one in given]
+    return {"classes": list(head.settings.classes), "pairs": found}
 
 
 def rivals(resources: Resources, question: Question) -> dict[str, Reply]:
@@ -99,21 +130,29 @@ def rivals(resources: Resources, question: Question) -> dict[str, Reply]:
     question  {"vis", "tac": references}
     return    name of the head -> its `classes` and `exact`, as `predicted` has them, or the
               `problem` of a head that cannot read the pair
-
-    Raises ForgottenError for a picture that is not kept.
     """
 
-    def read(name: str) -> Reply:
-        try:
-            named = pair_request(resources, {**question, "head": name})
-        except ForgottenError:
-            raise
-        except DataError as error:
-            return {"problem": without_places(str(error))}
+    def read(_: Resources, question: Question) -> Reply:
+        named = pair_request(resources, question)
         exact = {"order": named.head.model.order, "readings": readings_of(named)}
         return {"classes": list(named.head.settings.classes), "exact": exact}
 
-    return {name: read(name) for name in resources.folders if name}
+    others = filter(None, resources.folders)
+    return {name: _quietly(read, resources, {**question, "head": name}) for name in others}
+
+
+def by_chapters(part: Work) -> Work:
+    """Return a part of the reply by the head of the chapters, as it was trained."""
+    plain = {"head": "", "lessons": None, "taught": ""}
+    return lambda resources, question: part(resources, {**question, **plain})
+
+
+PARTS: dict[str, Work] = {
+    "familiar": familiar,
+    "rivals": by_chapters(rivals),
+    "journey": by_chapters(journey),
+    "moving": by_chapters(_predicted),  # where p has no part in the prediction
+}
 
 
 def trained_span(head: "Head") -> list[float]:

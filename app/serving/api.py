@@ -13,10 +13,10 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from app.explore.map_place import kept_features
 from app.serving.about import without_nan
 from app.serving.api_schema import TOOLS, document
 from app.shared.limits import MAX_API_BYTES, REPORT_S
+from app.shared.map_place import kept_features
 from app.shared.messages import Handler, in_sentences, refusal
 from app.shared.pair_input import pair_request
 from app.shared.requests import done, question_from, received
@@ -54,18 +54,14 @@ def about(resources: Resources, _: Question) -> Reply:
 
 
 def predict(resources: Resources, arguments: Question) -> Reply:
-    """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
+    """Return the record of `omnivat.head.predict` for one pair."""
     from omnivat.head.predict import predict_embeddings
 
     images = {name: _image(resources, arguments.get(name), name) for name in IMAGES}
     named = pair_request(resources, {**arguments, **images})
     found = predict_embeddings(named.head, *named.pair.values(), order=named.order)[0]
     found.pop("profile")
-    return {
-        **found,
-        "source": named.head.source,
-        "images": {name: ref for name, ref in images.items() if ref},
-    }
+    return {**found, "source": named.head.source}
 
 
 def _image(resources: Resources, value: Any, name: str) -> Any:

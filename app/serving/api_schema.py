@@ -13,8 +13,8 @@ COUNT: Schema = {"type": "integer"}
 NUMBER: Schema = {"type": "number"}
 MAYBE: Schema = {"type": ["number", "null"]}
 IMAGE = (
-    "'row:3' (a pair of the set), 'example:NAME' (see about), 'image:…' (from POST /omnivat/image),"
-    " or 'data:image/png;base64,…'; leave it out for a missing one"
+    "'row:3' (a pair of the set), 'example:NAME' (see about), 'data:image/png;base64,…', or"
+    " 'image:…', the embeddings that POST /omnivat/image returns; leave it out for a missing one"
 )
 ORDER: Schema = {
     **NUMBER,
@@ -93,10 +93,6 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
             },
             order=NUMBER,
             source=TEXT,
-            images={
-                **_by_name(TEXT),
-                "description": "names under which the images can be used again",
-            },
         ),
     ),
     "gaps": (
@@ -162,7 +158,7 @@ def document() -> Schema:
         for name, (what, given, found) in TOOLS.items()
     }
     paths["/omnivat/image"] = posted(
-        "Send one picture; its `ref` names it in predict.",
+        "Read one picture, of which nothing is kept; predict takes its `ref` in its place.",
         {"image/*": image},
         sent,
         operationId="image",

@@ -23,7 +23,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.shared.limits import MAX_QUESTION_BYTES
+from app.shared.limits import SMALL_QUESTION_BYTES
 
 log = logging.getLogger(__name__)
 
@@ -108,7 +108,7 @@ class Guard:
             await JSONResponse({"error": problem}, 403)(scope, receive, send)
         elif (
             path := scope["path"].removeprefix(scope.get("root_path", ""))
-        ) == EVENTS and not _size(scope) <= MAX_QUESTION_BYTES:
+        ) == EVENTS and not _size(scope) <= SMALL_QUESTION_BYTES:
             large = {"error": "These settings are too large to be sent; reload the page."}
             await JSONResponse(large, 413)(scope, receive, send)
         elif path == EVENTS or path in PAGE or path.startswith(OPEN):

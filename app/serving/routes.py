@@ -21,7 +21,6 @@ from starlette.types import Receive, Scope, Send
 
 from app.explore import nodes, predictors
 from app.explore import tab as explore
-from app.explore.map_place import journey
 from app.pair import pictures, sensor, sensor_card, teaching, touch_relief
 from app.pair import tab as pair
 from app.serving import about
@@ -33,9 +32,10 @@ from app.shared.familiar import familiar, first
 from app.shared.fit import fit
 from app.shared.frame_parts import HEAD, part_of, tag_of
 from app.shared.limits import MAX_IMAGE_BYTES, PARTS
+from app.shared.map_place import journey
 from app.shared.messages import Handler, in_sentences, refusal
 from app.shared.modes import mode_files, modes
-from app.shared.requests import done, question_of, received, set_of, visitor_of
+from app.shared.requests import asked, done, received, set_of, visitor_of
 from app.shared.resources import Resources, require_name
 from app.shared.saving import head_zip, save_figure
 from app.shared.state import VISITOR, Reply
@@ -73,6 +73,7 @@ QUESTIONS: dict[str, Work] = {
     "teach": teaching.teach,
     "curve": teaching.curve,
     "taught": teaching.taught,
+    "occlusion": pictures.occlusion,
     "save/set": teaching.save_set,
     "save/head": teaching.save_taught,
     "save/sensor": sensor.save_sensor,
@@ -90,12 +91,12 @@ FACTS: dict[str, Work] = {  # questions without anything in them
     "unseen": explore.unseen,
     "examples": pair.gallery,
 }
+PRIORITIES: dict[Work, int] = {pictures.occlusion: 2}  # of what takes seconds
 SERVED: dict[str, Work] = {"real": real, "head.zip": head_file}  # of no use without a server
 # what comes as a file in the body: its work, priority and largest size
 SENT: dict[str, tuple[Work, int, int]] = {
     "live": (pictures.live, 0, MAX_IMAGE_BYTES),
     "image": (pictures.taken, 1, MAX_IMAGE_BYTES),
-    "occlusion": (pictures.occlusion, 2, MAX_IMAGE_BYTES),
     "relief": (touch_relief.relief, 1, MAX_IMAGE_BYTES),
     "card": (sensor_card.card, 1, MAX_IMAGE_BYTES),
     "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
@@ -157,11 +158,18 @@ async def compute(
     sets: VisitorSets, work: Work, request: Request, *, priority: int = 0
 ) -> Response:
     """Run one request as a job: with the question in its body, or a fact without one."""
-    resources = set_of(sets, request)
-    question = [await question_of(request)] if request.method == "POST" else []
-    reply = await done(
-        request, sets.shared.jobs, partial(work, resources, *question), priority=priority
-    )
+    resources, jobs = set_of(sets, request), sets.shared.jobs
+    if request.method == "GET":
+        reply = await done(request, jobs, partial(work, resources), priority=priority)
+        return as_sent(reply, {HOLDS: resources.holds})
+    async with asked(request, sets.shared.scratch) as read:
+        priority = PRIORITIES.get(work, 1 if request.query_params.get("sizes") else priority)
+        reply = await done(
+            request,
+            jobs,
+            lambda: pictures.with_pictures(work, resources, read()),
+            priority=priority,
+        )
     return as_sent(reply, {HOLDS: resources.holds})
 
 

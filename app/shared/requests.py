@@ -1,5 +1,8 @@
 """Read requests safely (limited bytes, JSON objects, numbers); run each as a job that ends when
 its visitor leaves.
+
+A question is a JSON object. If pictures come with it, they follow it in the body, `?sizes=` has the
+bytes of the object and of each picture, and the object names them "file:0", "file:1", ….
 """
 
 import asyncio
@@ -7,6 +10,7 @@ import json
 import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from itertools import accumulate
 from pathlib import Path
 from time import monotonic
 from typing import TypeVar
@@ -16,7 +20,15 @@ from starlette.requests import Request
 
 from app.shared.connections import visitor_at
 from app.shared.jobs import Jobs
-from app.shared.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES, UPLOADS
+from app.shared.limits import (
+    BODY_S,
+    IDLE_S,
+    MAX_PICTURES_BYTES,
+    MAX_QUESTION_BYTES,
+    PICTURES,
+    SMALL_QUESTION_BYTES,
+    UPLOADS,
+)
 from app.shared.resources import Resources
 from app.shared.scratch import Scratch
 from app.shared.state import Question
@@ -26,6 +38,7 @@ from omnivat.kit.errors import DataError
 T = TypeVar("T")
 LOOK_S = 0.25  # seconds between two checks for a disconnected visitor
 QUESTION_S = 120  # longest time for a reply, in seconds
+FILES = "files"  # the pictures that came with a question, in it
 ARRIVING: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()  # by visitor
 
 
@@ -76,10 +89,41 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
         yield block
 
 
-async def question_of(request: Request) -> Question:
-    """Return the JSON object of a request; raises the errors of `blocks` and `question_from`."""
-    content = [block async for block in blocks(request, MAX_QUESTION_BYTES, "The question")]
-    return question_from(b"".join(content))
+@asynccontextmanager
+async def asked(request: Request, scratch: Scratch) -> AsyncIterator[Callable[[], Question]]:
+    """Yield what reads the question in a request, with the pictures after it as FILES; a large one
+    waits on the disk for its job. Raises the errors of `blocks`; reading, those of `question_from`
+    and `split`.
+    """
+    sizes = request.query_params.get("sizes", "")
+    length = request.headers.get("content-length", "")[:20]
+    if not sizes and length.isdecimal() and int(length) <= SMALL_QUESTION_BYTES:
+        body = b"".join([one async for one in blocks(request, int(length), "The question")])
+        yield lambda: question_from(body)
+        return
+    limit = MAX_PICTURES_BYTES if sizes else MAX_QUESTION_BYTES
+    async with received(request, scratch, limit, "The question") as file:
+
+        def read() -> Question:
+            content = file.read_bytes()
+            text, *files = split(content, sizes, 1 + PICTURES) if sizes else [content]
+            return {**question_from(text), FILES: files} if files else question_from(text)
+
+        yield read
+
+
+def split(content: bytes, sizes: str, most: int) -> list[bytes]:
+    """Return the parts of a body by their sizes, with commas; raises DataError if they are not all
+    of it, or more than `most`.
+    """
+    numbers = [int(one) if one.isdecimal() else 0 for one in sizes[: 9 * most].split(",")]
+    if len(numbers) > most or not all(numbers) or sum(numbers) != len(content):
+        raise DataError(
+            f"sizes is '{sizes:.40}' for {len(content):,} bytes; give the bytes of each of at most"
+            f" {most} parts, with commas."
+        )
+    ends = list(accumulate(numbers))
+    return [content[end - size : end] for end, size in zip(ends, numbers, strict=True)]
 
 
 def question_from(content: bytes) -> Question:
@@ -90,6 +134,7 @@ def question_from(content: bytes) -> Question:
         raise DataError("The request is not JSON; send an object such as {} instead.") from error
     if not isinstance(question, dict):
         raise DataError("The request is not a JSON object; send one such as {} instead.")
+    question.pop(FILES, None)  # they come after it
     return question
 
 

@@ -18,13 +18,14 @@ from app.shared.mend import mended
 from app.shared.places import Places, example_name, find_examples, head_names
 from app.shared.real import RealPairs
 from app.shared.scratch import Scratch
-from app.shared.state import ForgottenError, Lazy, Recent, Ref, Reply, content_name
+from app.shared.state import Lazy, Recent, Ref, Reply, content_name
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     import numpy as np
+    from PIL.Image import Image
 
     from omnivat.data.profile import Profile
     from omnivat.data.store import Embeddings
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     Array = np.ndarray[Any, Any]
 
 log = logging.getLogger(__name__)
-KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
+KEPT_EXAMPLES = 100  # embeddings of examples that are not in the set
 KEPT_TAUGHT = 8  # they share all weights except the classifier
 KEPT_PROFILES = 200  # 20 kB each
 MAPS_BYTES = 32_000_000  # of the features at all stops of the last maps; the newest may be above
@@ -112,7 +113,10 @@ class Resources:
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)
         self.coefficients: Lazy[PairCoefficients] = Lazy(self._coefficients)
         self.example_rows: Lazy[dict[str, int]] = Lazy(self._example_rows)
-        self._sent: Recent[dict[str, Array]] = Recent(KEPT_IMAGES, private=True)  # by modality
+        self._examples: Recent[Ref] = Recent(KEPT_EXAMPLES)  # read as any picture
+        self.encoder_key: Lazy[str] = Lazy(
+            lambda: content_name(repr(sorted(self.head().encoder.items())).encode())[:8]
+        )
 
     @property
     def holds(self) -> str:
@@ -147,23 +151,29 @@ class Resources:
         return head
 
     def embedding(self, ref: Ref, modality: str, mend: str = "") -> "Array":
-        """Return the embedding (input_width,) of an image of the modality "vis" or "tac"; a
-        visitor's touch is read as `mend` has it.
+        """Return the embedding (input_width,) of an image of the modality "vis" or "tac"; the touch
+        of an example that is not in the set is read as `mend` has it.
 
-        Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer
-        kept.
+        Raises DataError if there is no such image.
         """
+        import numpy as np
+
         row = self.row_of(ref)
         if row is not None:
             return self._from_set(row, modality)
         if ref.kind == "example":
-            ref, _ = self.take_image(self.example(ref.name, modality), ref.name)
-        kept = self._sent.get(ref.name + mend)
-        if kept is None and modality == "vis":
-            kept = self._sent.get(ref.name)
-        if kept is None:
-            raise ForgottenError("The server no longer has this image; send it again.")
-        return kept[modality]
+            file = self.example(ref.name, modality)
+            ref = self._examples.once(
+                f"{file} {mend}", lambda: self.take_image(file, ref.name, mend)[0]
+            )
+        content, width = ref.numbers(self.encoder_key()), self.head().settings.input_width
+        if len(content) not in (4 * width, 8 * width):
+            raise DataError("The numbers of an image are cut short; choose its file again.")
+        rows = np.frombuffer(content, np.float32).reshape(-1, width)
+        if not np.isfinite(rows).all():
+            raise DataError("The numbers of an image are not finite; choose its file again.")
+        own: Array = rows[-1 if modality == "tac" else 0].copy()
+        return own
 
     def row_of(self, ref: Ref) -> int | None:
         """Return the row of the set that an image is of; None if it is of none. Raises DataError
@@ -177,29 +187,35 @@ class Resources:
         return int(ref.name)
 
     def take_image(self, source: bytes | Path, name: str, mend: str = "") -> tuple[Ref, Picture]:
-        """Embed an image from bytes or a file; return its reference and the decoded picture, as
+        """Embed an image from bytes or a file; return its embeddings and the decoded picture, as
         `Decoder.read` does. As a touch it is mended (`app.shared.mend`).
         """
-        content = source if isinstance(source, bytes) else source.read_bytes()
-        key, found = content_name(content), self.shared.decoder.read(content, name)
-        self._sent.once(key + mend, lambda: self._embedded(found, mend))
-        return Ref("image", key), found
+        found = self.shared.decoder.read(source, name)
+        rows = self._embedded(found, mend)
+        return Ref.of_numbers(self.encoder_key(), b"".join(row.tobytes() for row in rows)), found
 
-    def _embedded(self, picture: Picture, mend: str) -> "dict[str, Array]":
-        """Return an image's vector as photo and as touch; what is the same is computed once."""
+    def _embedded(self, picture: Picture, mend: str) -> "list[Array]":
+        """Return an image's vectors as photo and as touch; only one if they are the same."""
+        import numpy as np
+
         from omnivat.encoders.base import for_modality
         from omnivat.encoders.wrapping import WithoutDots
 
         encoder = self.encoder()
         photo, touch = (for_modality(encoder, name) for name in IMAGES)
-        vis = photo.embed(photo.preprocess(picture.image)[None])[0].numpy()
+
+        def read(by: "Encoder", image: "Image") -> "Array":
+            row: Array = by.embed(by.preprocess(image)[None])[0].numpy().astype(np.float32)
+            return row
+
+        vis = read(photo, picture.image)
         image = mended(picture.image, mend)
         if getattr(encoder, "one_network", photo is touch):
             if isinstance(touch, WithoutDots):
                 image, touch = touch.drawn(image), photo
             if image is picture.image:
-                return {"vis": vis, "tac": vis}
-        return {"vis": vis, "tac": touch.embed(touch.preprocess(image)[None])[0].numpy()}
+                return [vis]
+        return [vis, read(touch, image)]
 
     def _from_set(self, row: int, modality: str) -> "Array":
         import numpy as np

@@ -1,10 +1,12 @@
-"""References in requests (a pair of the set, an example, or an uploaded image), and what the server
+"""Images in requests (of a pair of the set, of an example, or a visitor's own), and what the server
 keeps.
 
-Of uploaded images, the server keeps only embeddings, named by a hash of their content. A visitor
+Of a visitor's images the server keeps nothing: a reply has the embeddings of the pictures that came
+with a request, and later requests have them in the pictures' place. Of what it does keep, a visitor
 finds only what came from its own address.
 """
 
+from base64 import b64decode, b64encode
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Mapping
 from contextvars import ContextVar
@@ -20,15 +22,16 @@ from omnivat.kit.stages import optional_order
 
 
 class ForgottenError(DataError):
-    """The server no longer has an uploaded image; the page sends it again."""
+    """The server no longer has what a visitor loaded by name; the page sends it again."""
 
     status = 410
 
 
 Question = Mapping[str, Any]  # a request
 Reply = dict[str, Any]  # a JSON object
-KINDS = ("row", "example", "image")
+KINDS = ("row", "example", "image", "unread")
 LONGEST_NAME = 200
+LONGEST_IMAGE = 100_000  # letters; an embedding of 1,280 numbers has 6,827
 V = TypeVar("V")
 order_from = partial(optional_order, name="p")  # None if none is given
 # address of the visitor whose job runs here; "" for the server's own work
@@ -37,13 +40,32 @@ VISITOR: ContextVar[str] = ContextVar("visitor", default="")
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """One image by name: `row:12` of the set, `example:TAG-sim/wood/a`, `image:<content>`."""
+    """One image: `row:12` of the set, `example:TAG-sim/wood/a`, or a visitor's own by its
+    embeddings, `image:<encoder>:<float32 numbers in base64>`.
+    """
 
     kind: str
     name: str
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.name}"
+
+    @classmethod
+    def of_numbers(cls, encoder: str, numbers: bytes) -> "Ref":
+        """Return a visitor's image by the bytes of its embeddings."""
+        return cls("image", f"{encoder}:{b64encode(numbers).decode()}")
+
+    def numbers(self, encoder: str) -> bytes:
+        """Return the bytes of a visitor's image. Raises ForgottenError for those of another
+        encoder, DataError for what is no base64.
+        """
+        of, _, text = self.name.partition(":")
+        if of != encoder:
+            raise ForgottenError("Another encoder has read this image; choose its file again.")
+        try:
+            return b64decode(text, validate=True)
+        except ValueError as error:
+            raise DataError("The numbers of an image are damaged; send its file.") from error
 
 
 def ref_from(value: Any) -> Ref | None:
@@ -52,12 +74,15 @@ def ref_from(value: Any) -> Ref | None:
     """
     if value is None or value == "":
         return None
-    if not isinstance(value, str) or len(value) > LONGEST_NAME:
+    most = LONGEST_IMAGE if isinstance(value, str) and value.startswith("image:") else LONGEST_NAME
+    if not isinstance(value, str) or len(value) > most:
         raise DataError("An image is named by a short text such as 'row:12'; choose one again.")
     kind, colon, name = value.partition(":")
     if kind not in KINDS or not colon or not name:
-        known = ", ".join(f"'{kind}:…'" for kind in KINDS)
-        raise DataError(f"'{value}' names no image; expected one of {known}.")
+        known = ", ".join(f"'{kind}:…'" for kind in KINDS[:3])
+        raise DataError(f"'{value:.60}' names no image; expected one of {known}.")
+    if kind == "unread":
+        raise DataError(name)
     return Ref(kind, name)
 
 

@@ -116,7 +116,7 @@ def write_set(resources: Resources, folder: Path) -> None:
     record = {
         "heads": heads,
         "encoder": write_encoder(resources, folder.parent),
-        "key": dict(first.encoder),
+        "key": resources.encoder_key(),
         "width": embeddings.width,
         "pairs": len(embeddings),
         "part": PART,

@@ -94,6 +94,7 @@ MOST_ROWS = 2000  # training images for each modality; bounds the file and the s
 QUANTILES = 101
 NEIGHBOURS = 10  # nearest images of a hundred or more; one of fewer than twenty
 CHUNK = 512
+LONGEST = 1.01  # of a unit vector in half precision
 UNLIKE = 0.05  # below this quantile a prediction is a guess; above it lies any ordinary rank
 WORDS = ((UNLIKE, "unlike the training images"), (2.0, "familiar"))
 
@@ -214,12 +215,16 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
         return None
     tensors = tensors_in(file)
     names = [name for name in IMAGES if name in tensors]
+    rows = {name: tensors[name].float() for name in names}
+    quantiles = {name: tensors.get(f"{name}_quantiles", torch.empty(0)).float() for name in names}
     fits = names and all(
-        tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names
+        rows[name].shape[1:] == (width,)
+        and (rows[name].norm(dim=1) < LONGEST).all()  # false of what is no number
+        and quantiles[name].ndim == 1
+        and len(quantiles[name]) > 1
+        and quantiles[name].isfinite().all()
+        for name in names
     )
     if not fits:
         raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
-    return Familiarity(
-        rows={name: tensors[name].float() for name in names},
-        quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
-    )
+    return Familiarity(rows=rows, quantiles=quantiles)

@@ -9,6 +9,7 @@ from PIL import Image
 
 from app.shared.places import Places
 from app.shared.resources import Resources
+from app.shared.state import Ref
 
 LESSONS = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
@@ -52,6 +53,11 @@ def until(condition):
             return found
         time.sleep(0.02)
     raise AssertionError("it did not happen within two minutes")
+
+
+def own_image(resources, row):
+    """Return a visitor's image by its embedding, as a reply has it."""
+    return str(Ref.of_numbers(resources.encoder_key(), np.float32(row).tobytes()))
 
 
 class PixelMeans:

@@ -11,8 +11,9 @@ from app.shared.familiar import familiar, first, training_pairs
 from app.shared.resources import Resources
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
-from omnivat.kit.stages import IMAGES
 from omnivat.measure.shares import counted
+
+from .conftest import own_image
 
 
 @pytest.fixture
@@ -70,10 +71,9 @@ def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources)
 
 def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_not(resources):
     own = resources.embeddings().in_domain(resources.head().source)
-    for name, row in (("photo", own.vis[3]), ("touch", own.tac[3])):
-        resources._sent.keep(name, dict.fromkeys(IMAGES, row.copy()))
-    swapped = familiar(resources, {"vis": "image:touch", "tac": "image:photo"})["images"]
-    right = familiar(resources, {"vis": "image:photo", "tac": "image:touch"})["images"]
+    photo, touch = own_image(resources, own.vis[3]), own_image(resources, own.tac[3])
+    swapped = familiar(resources, {"vis": touch, "tac": photo})["images"]
+    right = familiar(resources, {"vis": photo, "tac": touch})["images"]
     assert [swapped[name]["strays"] for name in ("vis", "tac")] == [True, True]
     assert [right[name]["strays"] for name in ("vis", "tac")] == [False, False]
     assert "strays" not in familiar(resources, {"vis": "row:3"})["images"]["vis"]

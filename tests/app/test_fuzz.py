@@ -28,7 +28,7 @@ def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, see
 
 
 @pytest.mark.slow
-def test_no_visitor_finds_a_picture_profile_or_head_of_another(resources):
+def test_no_visitor_finds_a_profile_or_head_of_another(resources):
     app = Starlette(routes=routes(VisitorSets(resources)))
     own, other = (TestClient(app, "http://127.0.0.1", client=(f"10.0.1.{k}", 1)) for k in (1, 2))
     with BytesIO() as handle:
@@ -38,11 +38,9 @@ def test_no_visitor_finds_a_picture_profile_or_head_of_another(resources):
     profile = own.post("/omnivat/profile", json={"photos": [ref]}).json()["profile"]
     lessons = [{"vis": f"row:{k}", "tac": f"row:{k}", "label": "ab"[k % 2]} for k in range(4)]
     taught = own.post("/omnivat/taught", json={"lessons": lessons}).json()["taught"]
-    pair = {"vis": ref, "tac": "row:0"}
     for client, status in ((own, 200), (other, 410)):
         for path, asked in (
-            ("pair", {"json": pair}),
-            ("save/sensor", {"json": {**pair, "vis": "row:1", "profile": profile}}),
+            ("save/sensor", {"json": {"profile": profile}}),
             (f"live?modality=vis&taught={taught}", {"content": picture}),
         ):
             assert client.post(f"/omnivat/{path}", **asked).status_code == status, path

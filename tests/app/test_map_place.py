@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import torch
 
-from app.explore.map_place import journey
+from app.shared.map_place import journey
 from app.shared.resources import Resources
 from omnivat.kit.errors import DataError
-from omnivat.kit.stages import IMAGES
 from omnivat.maps.frames import read_frames
+
+from .conftest import own_image
 
 
 @pytest.fixture
@@ -32,10 +33,9 @@ def test_a_pair_of_the_set_lies_on_its_own_points_at_every_stop(with_frames, ref
 
 
 def test_a_picture_with_the_vector_of_a_pair_lies_where_the_pair_does(with_frames):
-    with_frames._sent.keep("sent", dict.fromkeys(IMAGES, with_frames.embeddings().vis[7]))
+    own = own_image(with_frames, with_frames.embeddings().vis[7])
     there, sent = (
-        journey(with_frames, {"vis": ref, "tac": "row:7"})["maps"]
-        for ref in ("row:7", "image:sent")
+        journey(with_frames, {"vis": ref, "tac": "row:7"})["maps"] for ref in ("row:7", own)
     )
     for kind in ("pca", "umap"):
         np.testing.assert_allclose(
@@ -91,7 +91,7 @@ def test_the_features_of_the_set_are_computed_once_for_all_journeys(with_frames,
     for row in (1, 2, 3):
         journey(with_frames, {"tac": f"row:{row}"})
     assert len(walks) == 1
-    monkeypatch.setattr("app.explore.map_place.KEPT_STOPS", 0)  # a large set keeps none
+    monkeypatch.setattr("app.shared.map_place.KEPT_STOPS", 0)  # a large set keeps none
     large = Resources(with_frames.where)
     for row in (1, 2):
         journey(large, {"tac": f"row:{row}"})

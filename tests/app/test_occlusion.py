@@ -9,6 +9,7 @@ import torch
 from PIL import Image
 
 from app.pair.pictures import CELLS, PATCH, STEPS, hidden, occlusion, over_cells
+from app.shared.requests import FILES
 
 
 def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():
@@ -54,7 +55,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
     resources = SimpleNamespace(
         shared=SimpleNamespace(decoder=decoder), encoder=Encoder, head_named=lambda name: head
     )
-    found = occlusion(resources, b"", {"modality": "vis"})
+    found = occlusion(resources, {"modality": "vis", FILES: [b""]})
     drops = found["drops"]
     assert found["class"] == "bright"
     assert drops[0][5] == max(max(row) for row in drops) > 0.4
@@ -64,6 +65,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):
     with BytesIO() as handle:
         Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        found = occlusion(resources, handle.getvalue(), {"modality": "tac", "other": "row:3"})
+        question = {"modality": "tac", "vis": "row:3", FILES: [handle.getvalue()]}
+    found = occlusion(resources, question)
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes

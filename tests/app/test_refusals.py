@@ -1,21 +1,25 @@
 """What cannot be answered is refused in one sentence, which says what is wanted."""
 
+import json
+from base64 import b64encode
 from functools import partial
 
+import numpy as np
 import pytest
 
 from app.pair.sensor import MOST_AT_ONCE
 from app.pair.tab import MOST_AT_ONCE as MOST_PAIRS
 from app.serving.routes import QUESTIONS, SENT
 from app.shared.pair_input import MOST_LESSONS
+from app.shared.requests import FILES
 from app.shared.state import ForgottenError
 from omnivat.kit.errors import DataError
-from omnivat.kit.stages import IMAGES
 
-from .conftest import LESSONS
+from .conftest import LESSONS, own_image
 
 RAW = {"point": 4, "stage": "raw"}
 MIXED = "come from different pairs"
+NOT_FINITE = b64encode(np.full(24, np.nan, np.float32).tobytes()).decode()
 REFUSED = [
     ("pair", {}, "Choose a pair first"),
     ("pair", {"vis": 12}, "An image is named by a short text"),
@@ -60,18 +64,33 @@ REFUSED = [
     ("live", {"modality": "smell"}, "choose one of vis, tac, both"),
     *(("live", {"modality": "both", "split": split}, "split is") for split in (0, 10**8)),
     ("occlusion", {"modality": "lang"}, "choose one of vis, tac."),
-    ("occlusion", {"modality": "vis", "other": "row:x"}, "No pair has the number 'x'"),
+    ("occlusion", {"modality": "vis"}, "Send the picture"),
+    ("occlusion", {"modality": "vis", "tac": "row:x"}, "No pair has the number 'x'"),
+    ("pair", {"vis": "row:1", "with": ["everything"]}, "with has to be a list of familiar"),
+    ("pair", {"vis": "image:KEY:AAAA"}, "cut short"),
+    ("pair", {"vis": "image:KEY:" + NOT_FINITE}, "not finite"),
+    ("pair", {"vis": "image:KEY:§"}, "damaged"),
 ]
 FORGOTTEN = [
-    ("pair", {"vis": "image:00"}, "send it again"),
+    ("pair", {"vis": "image:00"}, "Another encoder"),
     ("pair", {"vis": "row:1", "profile": "gone"}, "load it again"),
     ("pair", {"vis": "row:1", "taught": "0" * 32}, "no longer has the taught head"),
 ]
 
 
+def own_in(resources, question):
+    """Return a question with a visitor's own image and the encoder's key in their places."""
+    text = json.dumps(question).replace("KEY", resources.encoder_key())
+    return json.loads(
+        text.replace("image:own", own_image(resources, resources.embeddings().vis[0]))
+    )
+
+
 @pytest.mark.parametrize(("route", "question", "words"), [*REFUSED, *FORGOTTEN])
 def test_it_is_refused_with_what_is_wanted(resources, png, route, question, words):
-    resources._sent.keep("own", dict.fromkeys(IMAGES, resources.embeddings().tac[0]))
+    question = own_in(resources, question)
+    if route == "occlusion" and "Send" not in words:
+        question[FILES] = [png()]
     ask = (
         partial(SENT[route][0], resources, png())
         if route in SENT
@@ -92,6 +111,5 @@ def test_it_is_refused_with_what_is_wanted(resources, png, route, question, word
     ],
 )
 def test_as_many_as_stated_are_taken(resources, monkeypatch, limit, route, question):
-    resources._sent.keep("own", dict.fromkeys(IMAGES, resources.embeddings().vis[0]))
     monkeypatch.setattr(limit, len(LESSONS))
-    assert QUESTIONS[route](resources, question)
+    assert QUESTIONS[route](resources, own_in(resources, question))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.serving.routes import QUESTIONS, SENT
-from app.shared.limits import MAX_IMAGE_BYTES
+from app.shared.limits import MAX_IMAGE_BYTES, MAX_QUESTION_BYTES, PICTURES
 from app.shared.messages import UNEXPECTED
 from app.shared.resources import Resources
 from omnivat.maps.frames import read_frames
@@ -44,8 +44,8 @@ def test_junk_is_refused_in_a_sentence(client, name, junk):
 
 @pytest.mark.parametrize("name", QUESTIONS)
 def test_an_endless_question_is_cut_off(client, name):
-    endless = client.post(f"/omnivat/{name}", content=b"x" * 20_000)
-    assert "larger than 0.01 MB" in sentence(endless, 413)
+    endless = client.post(f"/omnivat/{name}", content=b"x" * (MAX_QUESTION_BYTES + 1))
+    assert "larger than 4 MB" in sentence(endless, 413)
 
 
 def test_an_image_goes_in_and_its_pair_is_answered(client, png):
@@ -54,6 +54,51 @@ def test_an_image_goes_in_and_its_pair_is_answered(client, png):
     assert taken["preview"].startswith("data:image/jpeg;base64,")
     answer = client.post("/omnivat/pair", json={"vis": taken["ref"], "tac": "row:2"}).json()
     assert len(answer["stops"]["fused"]) == 101
+
+
+def posted(client, route, question, *files):
+    """Return the response to a question with pictures after it."""
+    parts = [json.dumps(question).encode(), *files]
+    sizes = ",".join(str(len(part)) for part in parts)
+    return client.post(f"/omnivat/{route}?sizes={sizes}", content=b"".join(parts))
+
+
+def test_an_uploaded_pair_is_one_request_and_its_reply_replaces_the_pictures(client, png):
+    wanted = ["familiar", "rivals", "journey", "moving"]
+    question = {"vis": "file:1", "tac": "file:0", "names": ["t.png", "p.png"], "with": wanted}
+    first = posted(client, "pair", question, png(40, seed=1), png(48, seed=2)).json()
+    touch, photo = first.pop("pictures")
+    assert (photo["width"], touch["width"]) == (48, 40)
+    assert set(first["familiar"]["images"]) == {"vis", "tac"} and first["rivals"] == {}
+    assert "moving" not in first  # p has a part in this head
+    again = {"vis": photo["ref"], "tac": touch["ref"], "with": wanted}
+    second = client.post("/omnivat/pair", json=again).json()  # nothing was kept for it
+    for one in (first, second):  # it is there, or its map is still being computed
+        assert one.pop("journey").keys() & {"maps", "problem"}
+    assert second == first
+
+
+def test_a_picture_that_cannot_be_read_is_named_and_the_others_are_read(client, png):
+    pairs = {"pairs": [{"vis": "file:0"}, {"tac": "file:1"}], "names": ["a.png", "b.png"]}
+    found = posted(client, "many", pairs, b"GIF?", png(40)).json()
+    assert "'a.png'" in found["pairs"][0]["problem"] and found["pairs"][1]["readings"]
+    assert "'a.png'" in found["pictures"][0]["problem"] and found["pictures"][1]["ref"]
+    alone = posted(client, "pair", {"vis": "file:0", "names": ["a.png"]}, b"GIF?").json()
+    assert set(alone) == {"problem", "pictures"} and "'a.png'" in alone["problem"]
+    half = {"touches": ["file:0", "file:1"], "names": ["a.png", "b.png"]}
+    assert posted(client, "profile", half, b"GIF?", png(40)).json()["counts"] == {"tac": 1}
+    none = posted(client, "profile", half, b"GIF?", b"GIF?").json()
+    assert "'a.png'" in none["problem"] and "profile" not in none
+
+
+@pytest.mark.parametrize("sizes", ["7", "7,8", "x", "2,-1", "2,1" + ",1" * PICTURES, "²"])
+def test_sizes_that_are_not_those_of_the_body_are_refused(client, sizes):
+    assert "sizes is" in sentence(client.post(f"/omnivat/pair?sizes={sizes}", content=b"{}1"))
+
+
+def test_a_question_cannot_name_files_that_did_not_come_with_it(client):
+    for question in ({"vis": "file:0"}, {"vis": "file:0", "files": ["x"]}, {"vis": "unread:x"}):
+        assert client.post("/omnivat/pair", json=question).status_code == 400
 
 
 def test_a_bad_image_is_refused_by_its_name_and_one_over_the_limit_by_its_size(client):

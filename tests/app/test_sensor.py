@@ -22,21 +22,19 @@ from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
-from .conftest import sentence, served
-
-OWN = {"vis": "image:0", "tac": "image:0"}
+from .conftest import own_image, sentence, served
 
 
 @pytest.fixture
 def visiting(resources):
-    """Return resources that keep 20 uploaded pictures of a sensor whose channels are shifted."""
-    for k in range(20):
-        resources._sent.keep(str(k), dict.fromkeys(IMAGES, resources.embeddings().vis[k] + 3))
     return resources
 
 
-def refs(count):
-    return [f"image:{k}" for k in range(count)]
+@pytest.fixture
+def refs(resources):
+    """Return a function for so many pictures of a sensor whose channels are shifted."""
+    rows = resources.embeddings().vis
+    return lambda count: [own_image(resources, rows[k] + 3) for k in range(count)]
 
 
 @given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 99))
@@ -49,9 +47,10 @@ def test_statistics_of_two_batches_join_to_those_of_all_pictures(first, second, 
     np.testing.assert_allclose(got.variance, wanted.variance, rtol=1e-4, atol=1e-6)
 
 
-def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting):
+def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting, refs):
     name = profile(visiting, {"photos": refs(20)})["profile"]
-    _, plain, with_it = pair_of(visiting, {**OWN, "profile": name})
+    own = dict.fromkeys(IMAGES, refs(1)[0])
+    _, plain, with_it = pair_of(visiting, {**own, "profile": name})
     wanted = visiting.head().moved("vis", plain["vis"], visiting.profiles.get(name))
     torch.testing.assert_close(with_it["vis"], wanted)
     assert (plain["vis"] - with_it["vis"]).mean() > 1  # most of the shift is undone
@@ -60,9 +59,9 @@ def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting
     torch.testing.assert_close(with_it["vis"], plain["vis"])
 
 
-def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
+def test_predictions_follow_the_profile_and_go_back_without_it(visiting, refs):
     name = profile(visiting, {"photos": refs(20)})["profile"]
-    asked = {"pairs": [{"vis": "image:0"}]}
+    asked = {"pairs": [{"vis": refs(1)[0]}]}
     before, after, again = (
         many(visiting, {**asked, **more})["pairs"][0]
         for more in ({}, {"profile": name}, {"profile": ""})
@@ -78,7 +77,7 @@ def test_a_list_that_names_no_picture_makes_no_profile(visiting, photos):
         profile(visiting, {"photos": photos})
 
 
-def test_more_pictures_are_added_to_a_profile(visiting):
+def test_more_pictures_are_added_to_a_profile(visiting, refs):
     first = profile(visiting, {"photos": refs(8)})
     both = profile(visiting, {"photos": refs(20)[8:], "profile": first["profile"]})
     assert both["counts"] == {"vis": 20}
@@ -90,7 +89,7 @@ def test_more_pictures_are_added_to_a_profile(visiting):
     )
 
 
-def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting):
+def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting, refs):
     made = profile(visiting, {"photos": refs(5), "touches": refs(3)})
     content = save_sensor(visiting, made)
     with served(visiting) as client:
@@ -99,7 +98,7 @@ def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting):
     assert "profile" in sentence(broken)
 
 
-def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_path):
+def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_path, refs):
     file = tmp_path / "p.safetensors"
     made = profile(visiting, {"touches": refs(5)})
     file.write_bytes(save_sensor(visiting, made))
@@ -180,18 +179,11 @@ def test_a_touch_is_read_as_the_request_mends_it_and_a_photo_as_it_comes(resourc
             for content, mend in ((mirrored, "left-right"), (plain, ""), (mirrored, ""))
         ]
         assert live[0] == live[1] != live[2]
-        other = client.post(
-            "/omnivat/many", json={"pairs": [{"tac": rows(plain)[1]}], "mend": "bgr"}
-        )
-        assert other.status_code == 410  # the page then sends the picture again
-        wrong = client.post("/omnivat/many", json={"pairs": [{"tac": "image:0"}], "mend": "<b>"})
+        wrong = client.post("/omnivat/profile", json={"touches": [rows(plain)[1]], "mend": "<b>"})
     assert "left-right" in sentence(wrong)
 
 
-def test_a_profile_file_keeps_how_its_touches_were_mended(visiting):
-    for k in range(5):
-        kept = dict.fromkeys(IMAGES, visiting.embeddings().vis[k])
-        visiting._sent.keep(f"{k}left-right", kept)
+def test_a_profile_file_keeps_how_its_touches_were_mended(visiting, refs):
     made = profile(visiting, {"touches": refs(5), "mend": "left-right"})
     with served(visiting) as client:
         again = client.post("/omnivat/sensor", content=save_sensor(visiting, made)).json()

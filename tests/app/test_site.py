@@ -11,15 +11,16 @@ import torch
 from safetensors.numpy import load_file
 from torch.nn.functional import normalize
 
-from app.explore import map_place
 from app.serving.routes import FACTS, QUESTIONS
+from app.shared import map_place
 from app.shared.resources import Resources
 from app.site import folder as site
 from app.site.folder import MARK, OWN, Files, export_site
 from app.site.models import files_in, write_places, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
-from omnivat.kit.stages import IMAGES
+
+from .conftest import own_image
 
 
 @pytest.fixture(scope="module")
@@ -105,8 +106,8 @@ def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(frame
     stops = write_places(resources, tmp_path / "places.safetensors")
     places = load_file(tmp_path / "places.safetensors")
     assert {name.split()[0] for name in places} == {"pca"}  # no map between neighbours
-    resources._sent.keep("sent", dict.fromkeys(IMAGES, resources.embeddings().vis[7] + 0.2))
-    wanted = map_place.journey(resources, {"tac": "image:sent"})
+    sent = own_image(resources, resources.embeddings().vis[7] + 0.2)
+    wanted = map_place.journey(resources, {"tac": sent})
     assert [stop for stop, _ in stops] == list(wanted["stops"])
     for at, (stop, order) in enumerate(stops):
         row = resources.head().model(

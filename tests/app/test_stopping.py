@@ -9,6 +9,7 @@ from app.serving.api import WORK
 from app.serving.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
 from app.shared.jobs import Jobs
 from app.shared.messages import BusyError, CancelledError
+from app.shared.requests import FILES as PICTURES
 from app.shared.visitor_sets import VisitorSets
 from omnivat.head.predict_set import CHUNK
 from omnivat.kit.progress import CHECK
@@ -22,7 +23,7 @@ MORE = [
 ]
 # route -> question, and the fewest checkpoints inside; none for what reads a file or two
 WORKING = {
-    "pair": (PAIR, 1),
+    "pair": ({**PAIR, "with": ["familiar", "journey", "rivals"]}, 5),
     "many": ({"pairs": [PAIR] * 7}, 7),
     "rivals": (PAIR, 1),
     "attention": (PAIR, 1),
@@ -108,11 +109,11 @@ def work(small_places):
 
 def test_the_table_has_every_route_that_computes(resources):
     """A new route has to be entered in `WORKING`, which stops it, or be told why it is not."""
-    assert set(WORKING) == {*QUESTIONS, *FACTS}
+    assert {*WORKING, "occlusion"} == {*QUESTIONS, *FACTS}
     paths = {
         route.path.removeprefix("/omnivat/") for route in routes(VisitorSets(resources), api=True)
     }
-    assert paths - set(WORKING) == FILES | {*SENT, "part", "load"} | TOOLS
+    assert paths - set(WORKING) == FILES | {*SENT, "occlusion", "part", "load"} | TOOLS
 
 
 @pytest.mark.parametrize("name", [name for name, (_, inside) in WORKING.items() if inside])
@@ -131,9 +132,14 @@ def test_work_ends_at_the_checkpoint_after_its_visitor_left_or_its_time(work, na
 @pytest.mark.parametrize("reply", ["image", "live", "occlusion"])
 def test_work_on_a_sent_picture_ends_so_too(resources, png, reply):
     whole = Leaving()
-    first, second = (
-        partial(SENT[reply][0], resources, png(seed=seed), {"modality": "vis"}) for seed in (1, 2)
-    )
+
+    def begun(seed):
+        question = {"modality": "vis"}
+        if reply in SENT:
+            return partial(SENT[reply][0], resources, png(seed=seed), question)
+        return partial(QUESTIONS[reply], resources, {**question, PICTURES: [png(seed=seed)]})
+
+    first, second = begun(1), begun(2)
     whole.give(first)
     jobs = Leaving(whole.checks)
     with pytest.raises(CancelledError):

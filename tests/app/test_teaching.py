@@ -9,6 +9,7 @@ from app.pair.pictures import live, occlusion
 from app.pair.tab import many, predicted
 from app.pair.teaching import curve, save_set, save_taught, taught, teach
 from app.shared.pair_input import reader_of
+from app.shared.requests import FILES
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
 
@@ -56,9 +57,13 @@ def test_the_taught_head_is_saved_as_a_folder_that_loads(resources, tmp_path):
     assert load_head(tmp_path / "taught-head").settings.classes[-1] == "cork"
 
 
-@pytest.mark.parametrize("of_image", [occlusion, live])
+def occluded(resources, content, question):
+    return occlusion(resources, {**question, FILES: [content]})
+
+
+@pytest.mark.parametrize("of_image", [occluded, live])
 def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
-    question = {"modality": "vis", "other": "row:40"}
+    question = {"modality": "vis"}
     name = taught(resources, {"lessons": [{**one, "label": "cork"} for one in LESSONS]})
     plain, own = (of_image(resources, png(), {**question, **one}) for one in ({}, name))
     said = [one.get("class") or one["classes"][-1] for one in (plain, own)]

@@ -120,7 +120,7 @@ def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page, tmp_path)
     pair_page.on("request", lambda request: asked.append(request.url))
     choose(pair_page, "tac", tmp_path / "huge.png")
     pair_page.wait_for_selector(".pair .problem:has-text('huge.png'):has-text('20')")
-    assert [url for url in asked if "omnivat/image" in url] == []
+    assert [url for url in asked if "sizes=" in url] == []
 
 
 def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page):

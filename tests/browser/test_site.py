@@ -152,7 +152,7 @@ def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromiu
     for modality in ("vis", "tac"):
         picture = next(file for file in pictures if modality in file.name)
         page.set_input_files(f".slot[data-modality={modality}] input", picture)
-        page.wait_for_selector(f".slot[data-modality={modality}] img[src^='data:image/jpeg']")
+        page.wait_for_selector(f".slot[data-modality={modality}] img[src^='blob:']")
     for reading in ("fused", "vis", "tac"):
         page.wait_for_selector(f".pair .reading[data-reading={reading}] .said")
     assert page.evaluate("crossOriginIsolated")
@@ -162,11 +162,11 @@ def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromiu
 
 FIGURES = """async ([web, p, ...pictures]) => {
   const shared = (name) => import(new URL(`${web}/shared/${name}.js`, document.baseURI));
-  const [{ ask, json, sendImage }, { fetchFrames }, { values }] =
+  const [{ ask, json, hold }, { fetchFrames }, { values }] =
     await Promise.all(["api", "frames", "measures"].map(shared));
   const [vis, tac] = await Promise.all(pictures.map(async (text) => {
     const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-    return (await sendImage(new Blob([bytes]), "a picture")).ref;
+    return hold(new Blob([bytes]), "a picture");
   }));
   const { frames } = await fetchFrames(() => {});
   const gap = values(frames, "modality_gap", "f_hat")[frames.orders.indexOf(p)];

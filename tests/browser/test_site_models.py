@@ -27,15 +27,15 @@ class Both:
     def __init__(self, page, resources, folder):
         self.page, self.resources, self.folder = page, resources, folder
 
-    def browser(self, path, body, query=""):
-        sent = {"file": base64.b64encode(body).decode()} if isinstance(body, bytes) else body
-        status, reply, _ = self.page.evaluate(ASK, [path, query, sent])
+    def browser(self, path, question, file=b""):
+        sent = [path, question, base64.b64encode(file).decode()]
+        status, reply, _ = self.page.evaluate(ASK, sent)
         assert status == 200, reply
         return reply
 
     def send(self, file):
         ref, _ = self.resources.take_image(file.read_bytes(), file.name)
-        reply = self.browser("image", file.read_bytes(), f"name={file.name}")
+        (reply,) = self.browser("pair", {"vis": "file:0"}, file.read_bytes())["pictures"]
         assert reply["preview"].startswith("data:image/jpeg;base64,")
         return str(ref), reply["ref"]
 

@@ -192,8 +192,9 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     assert pixels(page) != before
     server.start()
     open_tab(page, "pair")
-    holds(page, "vis", "5.png")
-    page.wait_for_selector(".pair .bars td[data-reading=tac]", state="attached")
+    holds(page, "vis", "5.png · 96 × 96")
+    page.wait_for_selector(ANSWERED)
+    page.wait_for_selector(".pair .bars td[data-reading=vis]", state="attached")
     assert page.is_hidden(".pair .problem") and page.is_hidden(".top .lost")
     page.close()
 

@@ -437,6 +437,24 @@ test("an upload replaces a complete pair, offers to put it back, and joins a pic
   assert.equal(ownHtml({ ...back, classes: CLASSES }), null); // two pictures of different pairs take no label
 });
 
+test("a picture that cannot be read leaves the pair before it, or the other new one", () => {
+  const own = { "image:x": { name: "x.png", src: "" }, "image:y": { name: "y.png", src: "", width: 9, height: 9 } };
+  const question = { vis: "row:0", tac: "row:0" };
+  const bad = tabAfter({ ...SHOWN, question }, ["held", own], ["uploaded", { modality: "vis", ref: "image:x" }]).tab;
+  const { tab, next } = after(bad, "failed", "'x.png' is no picture.");
+  assert.deepEqual([pairOf(tab), tab.busy, tab.answer, next], [["row:0", "row:0"], false, PAIR, {}]);
+  assert.equal(tab.notes.problem, "'x.png' is no picture.");
+  const both = after(bad, "uploaded", { modality: "tac", ref: "image:y" }).tab;
+  const left = after(both, "failed", "'x.png' is no picture.");
+  assert.deepEqual(
+    [pairOf(left.tab), left.tab.lost, left.next],
+    [[null, "image:y"], "'x.png' is no picture.", { predict: {} }],
+  );
+  const read = after(both, "seen", { "image:x": { width: 8, height: 8, preview: "data:" } }).tab;
+  assert.deepEqual(read.sent["image:x"], { name: "x.png", src: "data:", width: 8, height: 8 });
+  assert.deepEqual(pairOf(after(read, "failed", "The head is gone.").tab), ["image:x", "image:y"]);
+});
+
 test("a label waits until uploads and predictions are there, and goes to no example", () => {
   const label = ["answered", { label: "wood" }];
   assert.deepEqual(tabAfter(OWN, label).next, { count: { vis: "image:a", tac: "image:b", label: "wood" } });

@@ -3,7 +3,7 @@
 import { askOfImage, attempt } from "../shared/api.js";
 import { FRAMES } from "./feed.js";
 import { dataSets } from "./lerobot.js";
-import { camera, upload } from "./own-pictures.js";
+import { camera, held } from "./own-pictures.js";
 import { button, html, pressed, status } from "./parts.js";
 import { counted, taughtBy } from "./replies.js";
 import { lessonsOf } from "./state.js";
@@ -163,7 +163,7 @@ const GUIDES = {
     if (drawn(desk).idle) return "There is no contact, so no pair was added. Press the sensor.";
     /** @type {Pair} */
     const pair = {};
-    for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file, desk.send);
+    for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await held(file, desk.send);
     desk.send("counted", await counted({ ...pair, label, name: `live ${new Date().toLocaleTimeString()}` }));
     return `Added as ${label}.`;
   },

@@ -1,6 +1,6 @@
-/** The visitor’s own pictures: from files, a camera or the address, sent once, and what they are called. */
+/** The visitor’s own pictures: from files, a camera or the address, and what they are called. */
 
-import { attempt, Refusal, sendImage } from "../shared/api.js";
+import { attempt, hold, Refusal } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
 import { classOf, domainOf } from "../shared/frames.js";
 import { change, links, state } from "../shared/store.js";
@@ -9,16 +9,16 @@ import { joined } from "../shared/text.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
+const SHOWN = /^image\/(?!tiff)/; // by any browser
 
-/** Upload a file, and tell what was sent; of many, with their signal, the page keeps no preview.
- * @param {File} file @param {(event: "sent", what: Record<Ref, Picture>) => unknown} send
- * @param {AbortSignal} [signal] */
-export async function upload(file, send, signal, credit = "") {
+/** Take a file: the next request about it sends it. @param {File} file
+ * @param {(event: "held", what: Record<Ref, Picture>) => unknown} send */
+export async function held(file, send, credit = "") {
   const { name, size } = file;
   if (size > LARGEST)
     throw new Refusal(`'${name}' has ${(size / 1e6).toFixed(0)} MB; the limit is 20 MB. Scale it down and try again.`);
-  const { ref, width, height, preview } = await sendImage(file, name, signal);
-  send("sent", { [ref]: { name, width, height, src: signal ? URL.createObjectURL(file) : preview, credit } });
+  const ref = await hold(file, name);
+  send("held", { [ref]: { name, src: SHOWN.test(file.type) ? URL.createObjectURL(file) : "", credit } });
   return ref;
 }
 
@@ -79,7 +79,7 @@ export function snapshot(box, stream, signal) {
 
 const REFERENCE = /^(row|example|image):/;
 
-/** Send the pictures of the address; they then are references like others. Returns them, and what went wrong as a
+/** Take the pictures of the address; they then are references like others. Returns them, and what went wrong as a
  * sentence. */
 export async function takeLinked() {
   /** @type {Record<Ref, Picture>} */
@@ -92,7 +92,7 @@ export async function takeLinked() {
     const link = state[modality];
     if (!link || REFERENCE.test(link)) return;
     const file = () => fetched(link, TERMS[modality].one);
-    const ref = await attempt(async () => upload(await file(), keep), note);
+    const ref = await attempt(async () => held(await file(), keep), note);
     if (ref) links.set(link, ref);
     change({ [modality]: ref ?? null });
   });
@@ -133,7 +133,7 @@ export function describe({ examples, sent, set: { frames } }, ref) {
   const image = sent[ref];
   return {
     text: image
-      ? dotted(image.name, `${image.width} × ${image.height}`, image.credit)
+      ? dotted(image.name, image.width && `${image.width} × ${image.height}`, image.credit)
       : "A picture from an earlier visit",
   };
 }

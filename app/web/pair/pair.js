@@ -242,6 +242,7 @@ export async function start(root) {
   const { send } = desk;
   const begin = () => lost || somePair(examples, desk.tab.set.frames);
   visit.renew = () => restore(desk);
+  visit.seen = (pictures) => send("seen", pictures);
   restore(desk);
   set.later?.then((late) => {
     send("arrived", { set: late });

@@ -94,3 +94,23 @@ export function drawPart(box, markup) {
   box.hidden = !markup;
   draw(box, markup ?? html``);
 }
+
+const LARGEST = 20e6; // bytes of the files of one request; a single one may be above
+
+/** Parts of a list, of at most so many items, and whose sizes are at most LARGEST.
+ * @template Item @param {Item[]} items @param {number} most @param {(item: Item) => number} size */
+export function batches(items, most, size) {
+  /** @type {Item[][]} */
+  const parts = [];
+  let left = 0;
+  for (const item of items) {
+    const last = parts.at(-1);
+    left -= size(item);
+    if (last && last.length < most && left >= 0) last.push(item);
+    else {
+      parts.push([item]);
+      left = LARGEST - size(item);
+    }
+  }
+  return parts;
+}

@@ -1,6 +1,7 @@
 /** What the server predicts for pairs, and replies that may be refused. */
 
-import { ask, Refusal } from "../shared/api.js";
+import { ask, Refusal, unread } from "../shared/api.js";
+import { batches } from "./parts.js";
 import { said } from "./verdict.js";
 
 /** A reply, or why it was refused. @template Reply @param {Promise<Reply>} asking
@@ -11,17 +12,30 @@ export const quietly = (asking) =>
     return { problem: error.message };
   });
 
-/** Pairs with what is predicted for exactly them: by the head as trained, or by what lessons teach.
- * @template {Pair} Some @param {Some[]} pairs @param {{lessons?: Lesson[]}} [lessons] @param {AbortSignal} [signal] */
+/** Pairs with what is predicted for exactly them, or why nothing is: by the head as trained, or by what lessons teach.
+ * @template {Pair} Some @param {Some[]} pairs @param {{lessons?: Lesson[]}} [lessons] @param {AbortSignal} [signal]
+ * @returns {Promise<(Some & {said?: any, problem?: string})[]>} */
 export async function predicted(pairs, lessons, signal) {
-  const questions = pairs.map(({ vis, tac }) => ({ vis, tac }));
-  const { classes, pairs: answers } = await ask("many", { pairs: questions, ...lessons }, signal);
-  return pairs.map((pair, i) => ({ ...pair, ...answers[i], classes, said: said(classes, answers[i].readings) }));
+  const all = [];
+  for (const some of batches(pairs, PAIRS_AT_ONCE, ({ vis, tac }) => unread(vis) + unread(tac))) {
+    const questions = some.map(({ vis, tac }) => ({ vis, tac }));
+    const { classes, pairs: answers } = await ask("many", { pairs: questions, ...lessons }, signal);
+    for (const [i, pair] of some.entries()) {
+      const { readings, problem } = answers[i];
+      all.push({ ...pair, ...answers[i], ...(problem ? {} : { classes, said: said(classes, readings) }) });
+    }
+  }
+  return all;
 }
 
 /** A labelled pair for the count. @param {Lesson & {name: string}} pair */
-export const counted = async (pair) => (await predicted([pair]))[0];
+export async function counted(pair) {
+  const [one] = await predicted([pair]);
+  if (one.problem) throw new Refusal(one.problem);
+  return /** @type {OwnPair} */ (one);
+}
 
+const PAIRS_AT_ONCE = 12; // of one request
 let last = { lessons: "", taught: "" }; // a handle of the server's: nothing of it is drawn
 /** The name of the head that lessons teach; "" without lessons. `fresh` to teach again if the server may have dropped
  * the head. @param {{lessons?: Lesson[]}} of */

@@ -72,6 +72,13 @@ export const isOwn = ({ vis, tac }) => {
 /** True if the two images come from different pairs: two of the set, or one and a visitor's. @param {Pair} pair */
 export const mixed = ({ vis, tac }) => Boolean(vis && tac) && vis !== tac && !isOwn({ vis, tac });
 
+/** True of a picture that was chosen and that nobody has read yet. @param {Pick<PairTab, "sent">} tab
+ * @param {Ref | null | undefined} ref */
+const isUnread = ({ sent }, ref) => Boolean(ref && sent[ref] && !sent[ref].width);
+
+/** Touches of this visit, of which lamps can be made. @param {PairTab} tab @param {Ref[]} more */
+const touched = ({ touches }, more) => ({ touches: [...new Set([...touches, ...more])] });
+
 /** All but one pair. @param {OwnPair[]} pairs @param {string} key */
 const without = (pairs, key) => pairs.filter((one) => keyOf(one) !== key);
 
@@ -156,13 +163,21 @@ const recorded = ({ recording }) => (recording?.length ? { saveRecording: record
 /** @type {{[Name in keyof PairEvents]: (tab: PairTab, detail: PairEvents[Name]) => Change}} */
 const EVENTS = {
   // what came of some work
-  arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { travel: {} } : {} }),
+  arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { predict: {} } : {} }),
   noted: ({ notes }, more) => ({ notes: { ...notes, ...more } }),
   doing: ({ doing }, more) => ({ doing: { ...doing, ...more } }),
 
-  sent: ({ sent }, more) => ({ sent: { ...sent, ...more } }),
+  // own pictures: chosen, then read
+  held: ({ sent }, more) => ({ sent: { ...more, ...sent } }),
+  seen: ({ sent }, more) => {
+    const now = Object.entries(more).map(([ref, { width, height, preview }]) => {
+      const before = sent[ref];
+      return [ref, { ...before, width, height, src: before?.src || preview }];
+    });
+    return { sent: { ...sent, ...Object.fromEntries(now) } };
+  },
 
-  touched: ({ touches }, more) => ({ touches: [...new Set([...touches, ...more])] }),
+  touched,
 
   // the pair
   again: (tab) => requested(tab),
@@ -178,15 +193,26 @@ const EVENTS = {
   fetched: (tab, { key, pair }) =>
     requested(tab, { ...pair, lost: "", reals: { ...tab.reals, [key]: pair.tac ?? pair.vis ?? "" } }),
   explained: ({ explained }, parts) => ({ explained: { ...explained, ...parts } }),
-  predicted: (tab, { answer, question }) => ({
+  predicted: (tab, found) => ({
     ...NOTHING,
-    answer,
-    question,
-    classes: answer.classes,
+    ...found,
+    ...touched(tab, tab.tac && tab.sent[tab.tac] ? [tab.tac] : []),
+    classes: found.answer.classes,
     notes: { ...tab.notes, problem: tab.lost },
-    next: { familiar: {}, rivals: {}, travel: {}, compare: {} },
+    next: { compare: {} },
   }),
-  failed: ({ notes }, problem) => ({ ...NOTHING, notes: { ...notes, problem } }),
+  // the pair before it stays where a new picture cannot be read
+  failed: (tab, problem) => {
+    const notes = { ...tab.notes, problem };
+    const broken = imagesOf(tab).filter((name) => isUnread(tab, tab[name]));
+    if (!broken.length) return { ...NOTHING, notes };
+    const without = Object.fromEntries(broken.map((name) => [name, null]));
+    const { vis = null, tac = null } = tab.question ?? {};
+    const rest = { ...tab, ...without };
+    const fresh = imagesOf(rest).some((name) => rest[name] !== tab.question?.[name]);
+    if (fresh) return requested(tab, { ...without, lost: problem, notes });
+    return { ...(tab.answer ? { busy: false } : NOTHING), vis, tac, away: null, notes };
+  },
 
   // the cameras
   camerasSwitched: (tab) =>

@@ -37,11 +37,12 @@ interface OwnPair extends Pair {
   name: string;
   said: Partial<Record<Reading, string>>;
 }
-/** A picture that was sent: its name and size, an address to show it from, who made it if somebody else. */
+/** A visitor's picture: its name, an address to show it from, who made it if somebody else; and once it was read, its
+ * size. */
 interface Picture {
   name: string;
-  width: number;
-  height: number;
+  width?: number;
+  height?: number;
   src: string;
   credit: string;
 }
@@ -139,14 +140,18 @@ interface PairEvents {
   arrived: Partial<PairTab>;
   noted: Partial<PairTab["notes"]>;
   doing: PairTab["doing"];
-  sent: PairTab["sent"];
+  held: PairTab["sent"];
+  seen: Record<Ref, { width: number; height: number; preview: string }>;
   touched: Ref[];
   again: unknown;
   opened: Pair;
   uploaded: { modality: Modality; ref: Ref };
   fetched: { key: string; pair: Pair };
   explained: PairTab["explained"];
-  predicted: { answer: Predicted; question: Question };
+  predicted: Required<Pick<PairTab, "familiar" | "rivals" | "journey" | "moving">> & {
+    answer: Predicted;
+    question: Question;
+  };
   failed: string;
   camerasSwitched: unknown;
   camerasOff: string;
@@ -180,9 +185,6 @@ interface PairEvents {
 interface PairWork {
   predict: unknown;
   pin: { pair: string };
-  familiar: unknown;
-  rivals: unknown;
-  travel: unknown;
   everyP: unknown;
   compare: unknown;
   upload: { modality: Modality; file: File };

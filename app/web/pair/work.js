@@ -1,7 +1,7 @@
 /** The work that Try a pair needs: requests to the server, files in and out. Its end is an event; a Refusal
  * becomes a sentence in the part that NOTES names. */
 
-import { ask, askOfImage, attempt, bytesOf, cardOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
+import { ask, attempt, bytesOf, cardOf, get, isOwnPicture, made, Refusal, unread, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { headLabel } from "../shared/headsets.js";
 import { keep, kept } from "../shared/memory.js";
@@ -14,16 +14,16 @@ import { openTab } from "../shared/tabs.js";
 import { base64, bytesOf as decoded, joined } from "../shared/text.js";
 import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
-import { camera, describe, snapshot, upload } from "./own-pictures.js";
+import { camera, describe, held, snapshot } from "./own-pictures.js";
 import { isPicture, LONGEST, named, paired, sorted } from "./pairing.js";
-import { imagesOf, OTHER, plural } from "./parts.js";
+import { batches, imagesOf, plural } from "./parts.js";
 import { credit, short } from "./real.js";
-import { counted, predicted, quietly, taughtBy } from "./replies.js";
+import { counted, predicted, quietly } from "./replies.js";
 import { isOwn, lessonsFor, lessonsOf, READING } from "./state.js";
 import { contentOf, saveZip } from "./zip.js";
 
-const ROWS_AT_ONCE = 12; // pairs of one request
-const PICTURES_AT_ONCE = 50; // of a profile
+const ROWS_AT_ONCE = 4; // pairs that are read between two looks at how many are left
+const PICTURES_AT_ONCE = 10; // of a profile
 const FEW = 5; // pictures of a kind
 const LOOKED_AT = 3; // pictures whose kind is checked
 const TOUCHES = 25; // of each folder of a card
@@ -53,36 +53,30 @@ export const NOTES = {
 
 /** @type {{[Name in keyof PairWork]: (desk: Desk, what: PairWork[Name], signal: AbortSignal) => unknown}} */
 export const WORK = {
-  async predict({ tab, send }, _, signal) {
-    const { vis, tac } = tab;
+  /** All that the tab shows of the open pair, by one request: its new pictures go with it. */
+  async predict({ tab, send, map }, _, signal) {
+    const { vis, tac, heads } = tab;
     if (!vis && !tac) return;
     const question = { vis, tac, ...lessonsOf(tab, tab) };
-    send("predicted", { answer: await ask("pair", question, signal), question });
-  },
-  async familiar({ tab, send }, _, signal) {
-    send("arrived", { familiar: await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal)) });
-  },
-  async rivals({ tab: { vis, tac, heads }, send }, _, signal) {
-    if (!heads.length) return;
-    const answers = await quietly(ask("rivals", { vis, tac }, signal));
-    const said = (/** @type {string} */ name) => /** @type {Replies["rivals"]} */ (answers)[name] ?? answers;
-    send("arrived", { rivals: heads.map((one) => ({ ...said(one.name), label: headLabel(one) })) });
-  },
-  /** The pair at every stop of p: by the head of the chapters where linear maps have predicted, in which p has no
-   * part. */
-  async travel({ tab, send, map }, _, signal) {
-    const { vis, tac, answer, question } = tab;
-    if (!answer || !question) return;
-    map?.(null);
-    const own = { vis, tac, head: "" };
-    const [journey, other] = await Promise.all([
-      quietly(ask("journey", own, signal)),
-      answer.linear ? quietly(ask("pair", own, signal)) : null,
-    ]);
+    const reading = (/** @type {string | undefined} */ words) => {
+      for (const name of fresh) send("doing", { [name]: words });
+    };
+    const fresh = imagesOf(question).filter((name) => unread(question[name]));
+    reading(READING);
+    const wanted = ["familiar", "journey", "moving", ...(heads.length ? ["rivals"] : [])];
+    const found = await ask("pair", { ...question, with: wanted }, signal).finally(() => reading(undefined));
+    const { familiar, journey, moving, rivals, ...answer } = found;
     const there = "problem" in journey ? null : journey;
     map?.(there, "problem" in journey ? journey.problem : "");
-    const moving = other && !("problem" in other) ? { answer: other, question: own } : { answer, question };
-    send("arrived", { journey: there, moving });
+    send("predicted", {
+      answer,
+      question,
+      familiar,
+      journey: there,
+      rivals: rivals ? heads.map((one) => ({ ...rivals[one.name], label: headLabel(one) })) : null,
+      moving:
+        moving && !("problem" in moving) ? { answer: moving, question: { vis, tac, head: "" } } : { answer, question },
+    });
   },
   /** Show the open pair in the chapter of the gaps, by the head of the chapters. */
   everyP() {
@@ -93,18 +87,16 @@ export const WORK = {
   pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
   /** The open pair without the profile. */
   async compare({ tab: { vis, tac, counts, mend, question }, send }, _, signal) {
-    if (!(counts || mend) || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
+    if (!(counts || mend) || ![vis, tac].some(isOwnPicture)) return;
     const plain = { pairs: [{ vis, tac }], lessons: question?.lessons, profile: "", mend: "" };
     const { classes, pairs } = await ask("many", plain, signal);
-    send("arrived", { before: { classes, ...pairs[0] } });
+    if (!pairs[0].problem) send("arrived", { before: { classes, ...pairs[0] } });
   },
 
   async upload({ send }, { modality, file }) {
     send("noted", { problem: "" });
     send("doing", { [modality]: READING });
-    const ref = await upload(file, send);
-    if (modality === "tac") send("touched", [ref]);
-    send("uploaded", { modality, ref });
+    send("uploaded", { modality, ref: await held(file, send) });
   },
   async photograph({ send, box }, { modality }, signal) {
     const stream = await camera();
@@ -112,17 +104,17 @@ export const WORK = {
     const picture = await snapshot(/** @type {Element} */ (box.querySelector(".filming")), stream, signal);
     for (const track of stream.getTracks()) track.stop();
     send("arrived", { filming: "" });
-    if (picture) send("upload", { modality, file: new File([picture], "the camera’s image") });
+    if (picture) send("upload", { modality, file: new File([picture], "the camera’s image", { type: picture.type }) });
   },
   /** Hide one part of a picture after the other. */
   async explain({ tab, send }, { modality }) {
-    const { vis, tac, [modality]: ref, [OTHER[modality]]: other } = tab;
+    const { vis, tac, [modality]: ref } = tab;
     send("doing", { [modality]: "Hiding one part after the other…" });
     const blob = await bytesOf(ref ?? "", modality);
     if (!blob) throw new Refusal("The server keeps no images. Choose this file again.");
-    const taught = await taughtBy(lessonsOf(tab, tab));
-    const parts = await askOfImage("occlusion", blob, { modality, other, taught, head: readerOf({ vis, tac }) });
-    send("explained", { [modality]: { ...parts, taught: Boolean(taught) } });
+    const lessons = lessonsOf(tab, tab);
+    const parts = await ask("occlusion", { vis, tac, modality, ...lessons }, undefined, [blob]);
+    send("explained", { [modality]: { ...parts, taught: Boolean(lessons.lessons) } });
   },
   /** Read a real pair as if its pictures had been dropped. */
   async fetch({ tab, send }, { key }) {
@@ -136,9 +128,9 @@ export const WORK = {
     const pair = tab.take === "both" ? { vis: null, tac: null } : {};
     for (const name of wanted) {
       const content = await (await get(`real/${pictures[name]}`)).blob();
-      pair[name] = await upload(new File([content], `${words}, ${short(from)}`), send, undefined, credit(from));
+      const { type } = content;
+      pair[name] = await held(new File([content], `${words}, ${short(from)}`, { type }), send, credit(from));
     }
-    if (pair.tac) send("touched", [pair.tac]);
     send("fetched", { key, pair });
   },
 
@@ -182,9 +174,7 @@ export const WORK = {
   /** Predict the pairs of the table again. */
   async rows({ tab, send }, _, signal) {
     const there = tab.rows.filter(({ said }) => said);
-    const answers = [];
-    for (let at = 0; at < there.length; at += ROWS_AT_ONCE)
-      answers.push(...(await predicted(there.slice(at, at + ROWS_AT_ONCE), lessonsOf(tab), signal)));
+    const answers = await predicted(there, lessonsOf(tab), signal);
     if (answers.length) send("rowsPredicted", answers);
   },
   csv: ({ tab }) => save("pairs.csv", csv(tab.rows)),
@@ -223,13 +213,12 @@ export async function restore({ send }) {
   return Boolean(visit.profile);
 }
 
-/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {Desk["send"]} send
- * @param {AbortSignal} signal @returns {Promise<Row>} */
-async function rowOf(pair, send, signal) {
+/** A pair of files as a row. @param {FilePair} pair @param {Desk["send"]} send @returns {Promise<Row>} */
+async function rowOf(pair, send) {
   /** @type {Row} */
   const row = { ...pair, vis: null, tac: null };
   for (const name of imagesOf(pair)) {
-    const ref = await quietly(upload(/** @type {File} */ (pair[name]), send, signal));
+    const ref = await quietly(held(/** @type {File} */ (pair[name]), send));
     Object.assign(row, typeof ref === "string" ? { [name]: ref } : ref);
   }
   if (row.vis && row.vis === row.tac) return { ...row, problem: "Photo and touch are the same picture." };
@@ -262,14 +251,14 @@ async function read({ tab, send }, { files, kind }, signal) {
     for (const pair of pairs.slice(done, done + ROWS_AT_ONCE)) {
       const wait = done && Math.ceil(((Date.now() - began) * (total - done)) / done / 1000);
       send("doing", { read: { done: ++done, total, wait } });
-      rows.push(await rowOf(pair, send, signal));
+      rows.push(await rowOf(pair, send));
     }
     const there = rows.filter((row) => !row.problem);
+    const answers = await predicted(there, lessonsOf(tab), signal);
     send(
       "touched",
-      there.flatMap(({ tac }) => tac ?? []),
+      answers.flatMap(({ tac, problem }) => (problem ? [] : (tac ?? []))),
     );
-    const answers = there.length ? await predicted(there, lessonsOf(tab), signal) : [];
     send(
       "rowsRead",
       rows.map((row) => answers[there.indexOf(row)] ?? row),
@@ -294,8 +283,7 @@ async function card({ tab, send }, _, signal) {
   );
   send("doing", { card: `Reading ${plural(some.flat().length, "touch", "touches")}…` });
   const found = await cardOf(some.flat(), some[0].length, signal);
-  const tac = tab.on || isOwn(tab) ? null : await upload(some[0][0], send, signal);
-  if (tac) send("touched", [tac]);
+  const tac = tab.on || isOwn(tab) ? null : await held(some[0][0], send);
   send("cardRead", { card: found, tac });
 }
 
@@ -306,7 +294,7 @@ async function sample({ send }, { files, kind }, signal) {
   const untold = files.filter(({ path }) => isPicture(path) && !named(path).modality).slice(0, kind ? 0 : LOOKED_AT);
   let strange = 0; // of a few pictures whose names do not tell, those that look like the other kind
   for (const { file } of untold) {
-    const ref = await quietly(upload(file, send, signal));
+    const ref = await quietly(held(file, send));
     if (typeof ref !== "string") continue; // a broken picture is named when all are read
     const seen = await quietly(ask("familiar", { [rest]: ref, profile: "" }, signal));
     if ("images" in seen && seen.images[rest]?.strays) strange++;
@@ -316,17 +304,24 @@ async function sample({ send }, { files, kind }, signal) {
   /** @type {string[]} */
   const broken = [];
   let profile = /** @type {Profile | null} */ (null);
-  for (let at = 0; at < queue.length; at += PICTURES_AT_ONCE) {
+  let done = 0;
+  for (const some of batches(queue, PICTURES_AT_ONCE, ([, { size }]) => size)) {
     const refs = { vis: /** @type {Ref[]} */ ([]), tac: /** @type {Ref[]} */ ([]) };
-    for (const [i, [name, file]] of queue.slice(at, at + PICTURES_AT_ONCE).entries()) {
-      send("doing", { sample: { done: at + i + 1, total: queue.length } });
-      const ref = await quietly(upload(file, send, signal));
+    send("doing", { sample: { done: (done += some.length), total: queue.length } });
+    for (const [name, file] of some) {
+      const ref = await quietly(held(file, send));
       if (typeof ref === "string") refs[name].push(ref);
       else broken.push(ref.problem);
     }
-    send("touched", refs.tac);
+    if (!(refs.vis.length + refs.tac.length)) continue;
     const pictures = { photos: refs.vis, touches: refs.tac, profile: profile?.profile ?? "" };
-    if (refs.vis.length + refs.tac.length) profile = await ask("profile", pictures, signal);
+    const made = await quietly(ask("profile", pictures, signal));
+    if ("problem" in made) broken.push(...some.map(() => made.problem));
+    else {
+      broken.push(...(made.broken ?? []));
+      profile = made;
+      send("touched", refs.tac);
+    }
   }
   if (!profile)
     throw new Refusal(broken[0] ?? "No picture was among these files. Give photos, tactile images or both.");

@@ -1,9 +1,12 @@
 /** Requests to the server. Every failure becomes a Refusal with a one-sentence message. */
 
 import { base, fileOf, held, own, respond } from "./held.js";
+import { withImages } from "./images.js";
+import { keep, keptJson } from "./memory.js";
 import { keeper } from "./once.js";
 import { awaited } from "./ready.js";
 import { Refusal } from "./refusal.js";
+import { nameOf } from "./text.js";
 
 export { Refusal };
 
@@ -151,8 +154,27 @@ export const json = (path) => replied(get(path));
 /** Make what the page needs once. */
 export const once = keeper();
 
-/** @type {Map<Ref, [content: Blob, name: string]>} */
-const files = new Map(); // uploaded, to send again to a restarted server
+/** The visitor's pictures: the file, and what it is called. @type {Map<Ref, [content: Blob, name: string]>} */
+const files = new Map();
+const READ = "omnivat-read"; // of this visit: the last pictures survive a reload
+const LAST = 4;
+/** What the server read in a picture, in its place from then on, by `keyOf`. @type {Map<string, string>} */
+const read = new Map(keptJson(READ, [], true));
+const GONE = "This browser no longer has this picture. Choose its file again.";
+/** A touch is read as it is mended. @param {Ref} ref @param {string} mend */
+const keyOf = (ref, mend) => `${ref} ${mend}`;
+/** True of a visitor's own picture. @param {unknown} ref @returns {ref is Ref} */
+export const isOwnPicture = (ref) => typeof ref === "string" && ref.startsWith("image:");
+/** The bytes that the next request sends of an image. @param {Ref | null | undefined} ref */
+export const unread = (ref) => (ref && !read.has(keyOf(ref, visit.mend)) && files.get(ref)?.[0].size) || 0;
+
+/** Take a picture of the visitor's; the next request about it sends it. @param {Blob} content @param {string} name */
+export async function hold(content, name) {
+  const ref = `image:${nameOf(new Uint8Array(await content.arrayBuffer()))}`;
+  if (!files.has(ref)) files.set(ref, [content, name]);
+  return ref;
+}
+
 /** Whether the server has lost what a request was about. @param {unknown} error */
 export const isForgotten = (error) => error instanceof Refusal && error.status === 410;
 /** Whether a request was cancelled. @param {unknown} error */
@@ -160,10 +182,14 @@ const isCancelled = (error) => error instanceof Error && error.name === "AbortEr
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
  * `head` reads the visitor's own pictures, "" is the first one; `mend` is how their touches are mended first.
- * @type {{profile: string, head: string, mend: string, renew: () => Promise<boolean>}} */
-export const visit = { profile: "", head: "", mend: "", renew: async () => false };
+ * `seen` gets the sizes of pictures that were read, and small copies.
+ * @type {{profile: string, head: string, mend: string, renew: () => Promise<boolean>,
+ *   seen: (pictures: Record<Ref, {width: number, height: number, preview: string}>) => void}} */
+export const visit = { profile: "", head: "", mend: "", renew: async () => false, seen: () => {} };
 // by that head
-const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]);
+const BY_HEAD = new Set(
+  ["pair", "many", "attention", "occlusion", "familiar", "teach", "curve", "taught"].concat("save/head"),
+);
 
 /** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
 const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
@@ -173,44 +199,80 @@ const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
  * @param {Pictured} question */
 export function readerOf({ lessons = [], ...question }) {
   const refs = imagesIn(lessons.length ? { lessons } : question);
-  return refs.length && refs.every((ref) => ref.startsWith("image:")) ? visit.head : "";
+  return refs.length && refs.every((ref) => isOwnPicture(ref)) ? visit.head : "";
 }
 
 /** A question with the visitor's profile, and with the head that reads it. @param {string} path
  * @param {Question} question */
 function whole(path, question) {
-  const head = READ.has(path) ? readerOf(question) : "";
+  const head = BY_HEAD.has(path) ? readerOf(question) : "";
   const { profile, mend } = visit;
   return { ...(profile && { profile }), ...(mend && { mend }), ...(head && { head }), ...question };
 }
 
-/** Send a request; if the server has lost an uploaded image or the profile, send that again first.
- * @template {string} Path @param {Path} path @param {Question} question @param {AbortSignal} [signal]
- * @returns {Promise<ReplyTo<Path>>} */
-export const ask = (path, question, signal) => replied(answered(path, question, signal));
+/** A question as it is sent, with what was read in the visitor's pictures; those that nobody has read yet come after
+ * it, with what is `attached`. @param {Question} question @param {Blob[]} attached */
+function packed(question, attached) {
+  /** @type {Ref[]} */
+  const fresh = [];
+  const mend = /** @type {string} */ (question.mend ?? "");
+  const sent = withImages(question, (ref) => {
+    const known = isOwnPicture(ref) ? read.get(keyOf(ref, mend)) : ref;
+    if (known) return known;
+    if (!files.has(ref)) throw new Refusal(GONE);
+    if (!fresh.includes(ref)) fresh.push(ref);
+    return `file:${attached.length + fresh.indexOf(ref)}`;
+  });
+  const own = fresh.map((ref) => /** @type {[Blob, string]} */ (files.get(ref)));
+  const blobs = [...attached, ...own.map(([content]) => content)];
+  return {
+    sent: { ...sent, ...(blobs.length && { names: [...attached.map(() => ""), ...own.map(([, n]) => n)] }) },
+    blobs,
+    fresh,
+    mend,
+  };
+}
 
-/** @param {string} path @param {Question} question @param {AbortSignal} [signal] */
-async function answered(path, question, signal) {
-  const send = () => post(path, whole(path, question), signal);
+/** Send a question, and the pictures that come with it; what was read in those is kept.
+ * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
+async function posted(path, question, signal, attached = []) {
+  const { sent, blobs, fresh, mend } = packed(whole(path, question), attached);
+  if (!blobs.length) return post(path, sent, signal);
+  const parts = [new Blob([JSON.stringify(sent)]), ...blobs];
+  const address = `${path}${path.includes("?") ? "&" : "?"}sizes=${parts.map(({ size }) => size)}`;
+  const { pictures, problem, ...reply } = await (await post(address, new Blob(parts), signal)).json();
+  /** @type {string[]} */
+  const broken = [];
+  for (const [at, ref] of fresh.entries()) {
+    const found = pictures[attached.length + at];
+    if (found?.problem) broken.push(found.problem);
+    if (!found?.ref) continue;
+    read.set(keyOf(ref, mend), found.ref);
+    const { width, height, preview } = found;
+    visit.seen({ [ref]: { width, height, preview } });
+  }
+  keep(READ, JSON.stringify([...read].slice(-LAST)), true);
+  if (problem) throw new Refusal(problem);
+  return Response.json({ ...reply, ...(broken.length && { broken }) });
+}
+
+/** Send a request; if the server has lost the profile, send that again first; if another encoder has read its pictures,
+ * send those again. @template {string} Path @param {Path} path @param {Question} question @param {AbortSignal} [signal]
+ * @param {Blob[]} [attached] @returns {Promise<ReplyTo<Path>>} */
+export const ask = (path, question, signal, attached) => replied(answered(path, question, signal, attached));
+
+/** @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
+async function answered(path, question, signal, attached) {
+  const send = () => posted(path, question, signal, attached);
   try {
     return await send();
   } catch (error) {
     if (!isForgotten(error)) throw error;
-    const sent = [...new Set(imagesIn(question))].map((ref) => files.get(ref)).filter((file) => file !== undefined);
-    await Promise.all(sent.map(([content, name]) => sendImage(content, name)));
-    if (!(visit.profile && (await visit.renew())) && !sent.length) throw error;
+    const again = imagesIn(question).filter((ref) => files.has(ref));
+    for (const key of [...read.keys()]) if (again.some((ref) => key.startsWith(ref))) read.delete(key);
+    if (!(visit.profile && (await visit.renew())) && !again.length) throw error;
     return send();
   }
-}
-
-/** @param {Blob} blob @param {string} name @param {AbortSignal} [signal] @returns {Promise<Replies["image"]>} */
-export async function sendImage(blob, name, signal) {
-  /** @type {Replies["image"]} */
-  const sent = await replied(
-    post(`image?name=${encodeURIComponent(name)}${visit.mend && `&mend=${visit.mend}`}`, blob, signal),
-  );
-  files.set(sent.ref, [blob, name]);
-  return sent;
 }
 
 /** The bytes of a referenced image; null if only the server has it.
@@ -224,8 +286,8 @@ export async function bytesOf(ref, modality) {
 }
 
 /** Send an image with a request; `taught` names a taught head, `split` the bytes of the first of two pictures.
- * @template {"occlusion" | "live"} What @param {What} what @param {Blob} blob
- * @param {{modality: string, other?: Ref | null, taught?: string, split?: number, head?: string}} about
+ * @template {"live"} What @param {What} what @param {Blob} blob
+ * @param {{modality: string, taught?: string, split?: number, head?: string}} about
  * @returns {Promise<Replies[What]>} */
 export function askOfImage(what, blob, about) {
   const stated = Object.entries({ ...about, profile: visit.profile, mend: visit.mend }).filter(
@@ -252,8 +314,12 @@ export function reliefOf(touches, as, theme, name, profile) {
   return awaited(post(`relief?${about}`, new Blob(touches)).then((response) => response.blob()));
 }
 
-/** A file that the server makes of a question. Throws a Refusal. @param {string} path @param {Question} question */
-export const made = (path, question) => awaited(post(path, whole(path, question)).then((response) => response.blob()));
+/** A file that the server makes of a question, whose pictures are read first. Throws a Refusal.
+ * @param {string} path @param {Question} question */
+export async function made(path, question) {
+  for (const ref of imagesIn(question)) if (unread(ref)) await ask("many", { pairs: [{ tac: ref }] });
+  return awaited(post(path, packed(whole(path, question), []).sent).then((response) => response.blob()));
+}
 
 /** Upload one file of a head or set; its name in `load` is the reply's `part`.
  * @param {string} name @param {Blob} file @returns {Promise<Replies["part"]>} */

@@ -29,8 +29,7 @@ function parts({ home }, path, body = "") {
 /** The address of a file for a path; undefined if there is none. @param {Held} page @param {string} path */
 export const fileOf = (page, path) => page.files[parts(page, path).key];
 
-/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps and familiarity
- * wait for it. */
+/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps wait for it. */
 /** @type {{models: Promise<void> | null}} */
 export const line = { models: null };
 
@@ -41,7 +40,7 @@ const failure = (sentence, status) => new Response(JSON.stringify({ error: sente
  * @param {Held} page @param {string} path @param {RequestInit} options @returns {Promise<Response>} */
 export async function respond(page, path, { body, signal } = {}) {
   const { key, ...request } = parts(page, path, typeof body === "string" ? body : "");
-  if (["frames", "familiar"].includes(request.path)) await line.models;
+  if (request.path === "frames") await line.models;
   if (page.files[key]) return fetch(page.files[key], { signal });
   if (page.refused?.[key]) return failure(page.refused[key], 400);
   if (page.sets && !page.sets.includes(request.set))

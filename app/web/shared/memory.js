@@ -26,9 +26,9 @@ export function keep(key, text, visit = false) {
 
 /** What is kept as JSON; `otherwise` if there is nothing that can be read.
  * @param {string} key @param {unknown} otherwise @returns {any} */
-export function keptJson(key, otherwise) {
+export function keptJson(key, otherwise, visit = false) {
   try {
-    return JSON.parse(kept(key) ?? "null") ?? otherwise;
+    return JSON.parse(kept(key, visit) ?? "null") ?? otherwise;
   } catch {
     return otherwise;
   }

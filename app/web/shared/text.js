@@ -137,3 +137,13 @@ export const filled = { next: () => {} };
 export function fill(box, content) {
   if (draw(box, content)) filled.next(box);
 }
+
+/** A name for bytes, to tell files of one visitor apart. @param {Uint8Array} bytes */
+export function nameOf(bytes) {
+  let [a, b] = [0xdeadbeef, 0x41c6ce57];
+  for (let at = 0; at < bytes.length; at++) {
+    a = Math.imul(a ^ bytes[at], 2654435761);
+    b = Math.imul(b ^ bytes[at], 1597334677);
+  }
+  return [a, b, bytes.length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
+}

@@ -327,6 +327,7 @@ interface Profile {
   profile: string;
   mend?: string;
   counts: Partial<Record<Modality, number>>;
+  broken?: string[]; // why pictures were left out
 }
 /** What teaching changed. */
 interface Taught {
@@ -495,8 +496,13 @@ interface Replies {
   examples: Example[];
   real: { local: boolean; sets: RealSet[]; left_out: string[] };
   "thumbnails.json": Omit<Sprite, "url">;
-  pair: Predicted;
-  many: { classes: string[]; pairs: Prediction[] };
+  pair: Predicted & {
+    familiar: Replies["familiar"] | { problem: string };
+    journey: Journey | { problem: string };
+    moving?: Predicted | { problem: string };
+    rivals?: Replies["rivals"];
+  };
+  many: { classes: string[]; pairs: (Prediction & { problem?: string })[] };
   rivals: Record<string, { problem: string } | Pick<Predicted, "classes" | "exact">>;
   attention: Attention;
   tree: Tree;
@@ -518,7 +524,6 @@ interface Replies {
   teach: Taught;
   curve: Labels;
   taught: { taught: string };
-  image: { ref: Ref; width: number; height: number; preview: string };
   live: { classes: string[]; ms: { encoder: number; head: number } } & Prediction;
   card: {
     cards: SensorCard[];

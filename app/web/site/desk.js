@@ -1,26 +1,14 @@
 /** The pictures of a visitor, and what a request names; see app/shared/pair_input.py. Runs in the worker. */
 
-import { imagesOf, READINGS } from "../shared/images.js";
+import { imagesOf, READINGS, withImages } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
+import { base64, bytesOf } from "../shared/text.js";
+import { decoded } from "./decode.js";
 import { Models } from "./models.js";
 import { rounded, roundedRow, rowOf } from "./tensors.js";
 
-/** A name for bytes; two visitors share nothing here, so it only has to tell files apart.
- * @param {Iterable<number>} bytes */
-export function nameOf(bytes) {
-  let [a, b, length] = [0xdeadbeef, 0x41c6ce57, 0];
-  for (const byte of bytes) {
-    a = Math.imul(a ^ byte, 2654435761);
-    b = Math.imul(b ^ byte, 1597334677);
-    length += 1;
-  }
-  return [a, b, length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
-}
-
 /** The models of a set, and the embeddings of a visitor's pictures: nothing leaves the browser. */
 export class Desk extends Models {
-  /** Embeddings of pictures, by reference. @type {Map<Ref, Rows>} */
-  pictures = new Map();
   /** A stage of the whole set, as far as it is computed. @type {{ key: string } & Record<Modality, Floats[]>} */
   walk = { key: "", vis: [], tac: [] };
 
@@ -36,9 +24,40 @@ export class Desk extends Models {
   /** The embedding of one reference. @param {Ref} ref @param {Modality} modality @returns {Promise<Floats>} */
   async embedding(ref, modality) {
     if (!ref.startsWith("image:")) return this.row(await this.rowOf(ref), modality);
-    const row = this.pictures.get(ref)?.[modality];
-    if (!row) throw new Refusal("The page no longer has this image; send it again.", 410);
-    return row;
+    const [, encoder, text] = ref.split(":");
+    const { key, width } = await this.about();
+    if (encoder !== key) throw new Refusal("Another encoder has read this image; choose its file again.", 410);
+    const rows = new Float32Array(bytesOf(text).buffer);
+    return modality === "tac" ? rows.subarray(rows.length - width) : rows.subarray(0, width);
+  }
+
+  /** What a picture holds, in its place from then on, and its size and a small copy; or why it cannot be read.
+   * @param {Uint8Array} content @param {string} name */
+  async taken(content, name) {
+    const { rules, key } = await this.about();
+    try {
+      const { raster, ...about } = await decoded(content, name.slice(0, 120) || "the image", rules);
+      const { vis, tac } = await this.asEither(raster);
+      const rows = (vis === tac ? [vis] : [vis, tac]).map((row) => new Uint8Array(Float32Array.from(row).buffer));
+      const numbers = new Uint8Array(rows.flatMap((row) => [...row]));
+      return { ...about, ref: `image:${key}:${base64(numbers)}` };
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      return { problem: error.message };
+    }
+  }
+
+  /** Do some work on a question whose "file:0", … are the pictures that came with it; see app/pair/pictures.py.
+   * @param {any} question @param {Uint8Array[]} files @param {(question: any) => any} work */
+  async withPictures({ names = [], ...question }, files, work) {
+    if (!files.length) return work(question);
+    /** @type {Record<string, any>[]} */
+    const pictures = [];
+    for (const [at, content] of files.entries()) pictures.push(await this.taken(content, names[at] ?? ""));
+    const problem = pictures.map((one) => one.problem).find(Boolean);
+    if (problem) return { problem, pictures };
+    const read = (/** @type {any} */ ref) => pictures[Number(/^file:(\d+)$/.exec(ref)?.[1] ?? -1)]?.ref ?? ref;
+    return { ...(await work(withImages(question, read))), pictures };
   }
 
   /** The row of the set that an image is of; undefined if it is of none. @param {Ref} ref @returns {Promise<any>} */

@@ -3,7 +3,7 @@
 import { held, own } from "../shared/held.js";
 
 /** The routes that the browser computes; what else needs a server. */
-export const ROUTES = new Set(["image", "pair", "attention", "familiar", "tree", "journey", "neighbours"]);
+export const ROUTES = new Set(["pair", "attention", "familiar", "tree", "journey", "neighbours"]);
 const DEAD = "The models cannot be started in this browser; reload the page, or open it in another one.";
 
 /** @type {Worker | null} */

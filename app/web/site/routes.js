@@ -3,8 +3,8 @@
 import { imagesOf, READINGS } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { base64 } from "../shared/text.js";
-import { decoded } from "./decode.js";
-import { nameOf, readingsOf } from "./desk.js";
+import { readingsOf } from "./desk.js";
+import { JOURNEY } from "./journey.js";
 import { nearest, rounded, rowOf, stacked, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
@@ -36,17 +36,37 @@ async function nearestPairs(desk, { name: called, training: { index } }, name, r
   return near.map(({ point, cosine }) => ({ pair: index[point], cosine: rounded(cosine, 4) }));
 }
 
+/** What some work gives, or why it was refused. @param {() => unknown} work */
+async function quietly(work) {
+  try {
+    return await work();
+  } catch (error) {
+    if (!(error instanceof Refusal)) throw error;
+    return { problem: error.message };
+  }
+}
+
+/** @param {Desk} desk @param {any} question */
+async function predicted(desk, question) {
+  const found = await desk.resolved(question);
+  const { pair, order, head } = found;
+  const { classes, learned, span, linear } = head;
+  const stops = await stopsOf(desk);
+  const exact = order ?? learned;
+  const [out, images] = await Promise.all([desk.run(head, [pair], [...stops, exact]), desk.lookedAt(found)]);
+  const each = stops.map((_, stop) => readingsOf(out, stop, pair));
+  const readings = readingsOf(out, stops.length, pair);
+  const shown = READINGS.filter((name) => readings[name]);
+  return {
+    ...{ classes, learned, span, linear, images },
+    stops: named(shown.map((name) => [name, each.map((one) => one[name])])),
+    exact: { order: exact, readings },
+    spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], stops.length)])),
+  };
+}
+
 /** @type {Record<string, Route>} */
 export const READING = {
-  /** Embed a visitor's picture; its reference, its size and a small copy. */
-  async image(desk, { name = "" }, { body }) {
-    const ref = `image:${nameOf(body)}`;
-    const { rules } = await desk.about();
-    const { width, height, preview, ...picture } = await decoded(body, name.slice(0, 120) || "the image", rules);
-    if (!desk.pictures.has(ref)) desk.pictures.set(ref, await desk.asEither(picture.raster));
-    return { ref, width, height, preview };
-  },
-
   /** Fetch the encoder, and run what a first pair needs: later ones wait for no file and no compiler. */
   async warm(desk) {
     await desk.runtime(); // with the head, before the encoder
@@ -60,23 +80,20 @@ export const READING = {
     return {};
   },
 
-  /** A prediction now and at every stop, with the spectra. */
-  async pair(desk, question) {
-    const found = await desk.resolved(question);
-    const { pair, order, head } = found;
-    const { classes, learned, span, linear } = head;
-    const stops = await stopsOf(desk);
-    const exact = order ?? learned;
-    const [out, images] = await Promise.all([desk.run(head, [pair], [...stops, exact]), desk.lookedAt(found)]);
-    const each = stops.map((_, stop) => readingsOf(out, stop, pair));
-    const readings = readingsOf(out, stops.length, pair);
-    const shown = READINGS.filter((name) => readings[name]);
-    return {
-      ...{ classes, learned, span, linear, images },
-      stops: named(shown.map((name) => [name, each.map((one) => one[name])])),
-      exact: { order: exact, readings },
-      spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], stops.length)])),
+  /** A prediction now and at every stop, with the spectra; and what else is wanted `with` it. */
+  async pair(desk, question, sent) {
+    const wanted = /** @type {string[]} */ (question.with ?? []);
+    const reply = await predicted(desk, question);
+    const by = { ...question, head: "" };
+    /** @type {Record<string, () => unknown>} */
+    const parts = {
+      familiar: () => READING.familiar(desk, question, sent),
+      journey: () => JOURNEY.journey(desk, by, sent),
+      moving: () => predicted(desk, by),
     };
+    const names = wanted.filter((name) => parts[name] && (name !== "moving" || reply.linear));
+    const found = names.map(async (name) => [name, await quietly(parts[name])]);
+    return { ...reply, ...named(await Promise.all(found)) };
   },
 
   async attention(desk, question) {

@@ -24,6 +24,6 @@ type SiteHead = {
 };
 /** What a request names; see app/shared/pair_input.py. */
 type Resolved = { pair: Rows; order: number | null; head: SiteHead };
-/** A question's other parts: the bytes of its file, and whether it was withdrawn. */
-type Sent = { body: Uint8Array; stopped: () => boolean };
+/** Whether a question was withdrawn. */
+type Sent = { stopped: () => boolean };
 type Route = (desk: import("./desk.js").Desk, question: any, sent: Sent) => Promise<unknown>;

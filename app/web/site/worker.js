@@ -20,8 +20,13 @@ self.onmessage = async ({ data, ports: [port] }) => {
   try {
     const desk = desks.get(set) ?? new Desk(base, set, (loading) => postMessage(loading));
     desks.set(set, desk);
-    const question = typeof body === "string" ? JSON.parse(body) : Object.fromEntries(new URLSearchParams(query));
-    const work = () => ROUTES[path](desk, question, { body: new Uint8Array(body), stopped: () => stopped });
+    const sizes = (new URLSearchParams(query).get("sizes") ?? "").split(",");
+    let at = 0;
+    const parts = sizes.map((size) => new Uint8Array(body.slice(at, (at += Number(size)))));
+    const text = typeof body === "string" ? body : new TextDecoder().decode(parts.shift());
+    const files = typeof body === "string" ? [] : parts;
+    const route = (/** @type {any} */ question) => ROUTES[path](desk, question, { stopped: () => stopped });
+    const work = () => desk.withPictures(JSON.parse(text), files, route);
     port.postMessage({ status: 200, value: await (PATIENT.includes(path) ? work() : promptly(work)) });
   } catch (error) {
     if (!(error instanceof Refusal)) console.error(error);

@@ -100,3 +100,18 @@ def test_the_training_rows_come_back(images, tmp_path):
     again = load_familiarity(tmp_path / "file.safetensors", 32)
     for name, rows in zip(("vis", "tac"), images, strict=True):
         torch.testing.assert_close(again.rows[name], normalize(rows, dim=-1), atol=1e-3, rtol=1e-3)
+
+
+@pytest.mark.parametrize("spoilt", ["rows", "quantiles"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 2.0])
+def test_rows_that_are_no_unit_vectors_and_quantiles_that_are_no_numbers_are_refused(
+    images, tmp_path, spoilt, value
+):
+    found = familiarity_of(*images, own_objects(200))
+    getattr(found, spoilt)["tac"][3] = value
+    save_familiarity(tmp_path / "file.safetensors", found)
+    if spoilt == "quantiles" and value == 2.0:
+        assert load_familiarity(tmp_path / "file.safetensors", 32)
+    else:
+        with pytest.raises(DataError, match="copy the head folder again"):
+            load_familiarity(tmp_path / "file.safetensors", 32)
