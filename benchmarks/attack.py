@@ -84,16 +84,13 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     for k, content in enumerate(images(random.Random(seed), count)):
         send("images", f"image {k}", "/omnivat/image?name=x", content=content)
         chosen = random.Random(f"{seed} {k}")
-        sizes = chosen.choice(
-            (len(content), f"9,{len(content) - 9}", "", "0", "٣", "-1,1", "9" * 99)
-        )
-        words = f"sizes={sizes}&as={chosen.choice(('figures', 'npy', 'ply', '', 'x'))}&theme=%00"
-        way = chosen.choice((f"relief?{words}", "live?modality=tac"))
-        send("touches", f"image {k} to {way}", f"/omnivat/{way}", content=content)
         name = chosen.choice(("file:0", "file:1", "file:", "file:٣", "unread:x", "image:x:AAAA"))
         place = chosen.choice((name, [name], {"vis": name}, [[name]]))
         question: dict[str, Any] = {
-            chosen.choice(("vis", "tac", "pairs", "lessons", "touches")): place
+            chosen.choice(("vis", "tac", "pairs", "lessons", "touches")): place,
+            "modality": chosen.choice(("vis", "both", 1)),
+            "as": chosen.choice(("figures", "npy", "ply", "", None)),
+            "theme": "%00",
         }
         text = json.dumps(question | {"names": chosen.choice((None, "x", [1], ["a"]))}).encode()
         cut = chosen.choice((len(text), len(text) - 1, 0))

@@ -28,7 +28,7 @@ import numpy as np
 from app.serving.guard import EVENTS
 from benchmarks._browser import resident_mb, started
 from benchmarks._machine import machine
-from benchmarks.quick import Visitor, picture, small_training
+from benchmarks.quick import Visitor, picture, small_training, with_files
 from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/hostile.json")
@@ -122,12 +122,13 @@ async def hostile(port: int, until: float, event: dict[str, Any]) -> Counter[str
     def training() -> bytes:
         return json.dumps(event | {"session_hash": f"v{next(names)}"}).encode()
 
+    live, body = with_files("omnivat/live", {"modality": "vis"}, frame)
     plays = {
         "silent": silent,
         "slow head": slow,
         "no reader": blind,
         "training": sender(EVENTS[1:], "Content-Type: application/json", training),
-        "live": sender("omnivat/live?modality=vis", "Accept: */*", lambda: frame),
+        "live": sender(live, "Accept: */*", lambda: body),
     }
     await asyncio.gather(
         *(connected(r, plays[r]) for r, most in ROLES.items() for _ in range(most))

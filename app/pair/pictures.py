@@ -17,6 +17,7 @@ from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -95,6 +96,16 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
     return {**reply, "pictures": read} if isinstance(reply, dict) else reply
 
 
+def files_in(question: Question, most: int = 2, what: str = "picture") -> list[bytes]:
+    """Return the pictures that came with a question; raises DataError for none or too many."""
+    files: list[bytes] = question.get(FILES, [])
+    if not 0 < len(files) <= most:
+        raise DataError(
+            f"{len(files)} pictures came with the question; send each {what} after it, 1 to {most}."
+        )
+    return files
+
+
 def name_in(question: Question) -> str:
     """Return the name of a request's picture."""
     return str(question.get("name", ""))[:120] or "the image"
@@ -117,11 +128,11 @@ def preview(image: "Image") -> str:
         return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
 
 
-def live(resources: Resources, content: Content, question: Question) -> Reply:
+def live(resources: Resources, question: Question) -> Reply:
     """Predict one picture, or a photo and a touch.
 
-    question  {"modality": "vis", "tac" or "both"; "split": bytes of the photo before those of the
-              touch, for both}; and see `pair_request`
+    question  {"modality": "vis", "tac" or "both"}, whose pictures came with it, a photo before its
+              touch; and see `pair_request`
     return    classes, probabilities of each reading, `images`: modality -> whether the prediction
               is a `guess`, and milliseconds of encoder and head
 
@@ -131,11 +142,13 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
 
     from omnivat.encoders.base import for_modality
 
-    encoders = {one: for_modality(resources.encoder(), one) for one in OTHER}
+    modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
+    given = dict(zip(IMAGES if modality == BOTH else (modality,), files_in(question), strict=False))
+    encoders = {one: for_modality(resources.encoder(), one) for one in given}
     with torch.inference_mode():
         pixels = {
             one: encoders[one].preprocess(decoded(resources, part, question, one))
-            for one, part in _parts(content, question).items()
+            for one, part in given.items()
         }
         began = perf_counter()
         rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
@@ -145,19 +158,6 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
     ms = {"encoder": embedded - began, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(named.head.settings.classes), **found, "ms": ms}
-
-
-def _parts(content: Content, question: Question) -> dict[str, Content]:
-    """Return modality -> content of each picture in a request."""
-    modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
-    split = str(question.get("split", ""))[:9]
-    if modality != BOTH:
-        return {modality: content}
-    whole = content.read_bytes() if isinstance(content, Path) else content
-    end = int(split) if split.isdecimal() else 0
-    if not 0 < end < len(whole):
-        raise DataError(f"split is {end}; give the bytes of the photo, before those of the touch.")
-    return {"vis": whole[:end], "tac": whole[end:]}
 
 
 def occlusion(resources: Resources, question: Question) -> Reply:
@@ -177,9 +177,7 @@ def occlusion(resources: Resources, question: Question) -> Reply:
     from omnivat.encoders.base import for_modality
 
     modality = one_of("modality", question.get("modality"), OTHER)
-    if not question.get(FILES):
-        raise DataError("Send the picture with the request, after the question.")
-    image = decoded(resources, question[FILES][0], question, modality)
+    image = decoded(resources, files_in(question)[0], question, modality)
     image.thumbnail((SIDE, SIDE))
     whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
     shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]

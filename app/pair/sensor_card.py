@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from app.pair.pictures import Content, decoded, preview
-from app.pair.touch_relief import parts
+from app.pair.pictures import decoded, files_in, preview
 from app.shared.mend import FILL
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply
@@ -19,16 +18,16 @@ MOST_TOUCHES = 50  # of a card's request: 25 of each folder
 FILLS = "The head that reads the pictures fills printed dots, so there is nothing to do."
 
 
-def card(resources: Resources, content: Content, question: Question) -> Reply:
+def card(resources: Resources, question: Question) -> Reply:
     """Return the cards of one or two folders of touches, and what changed between them.
 
-    content   the touches of the new folder, then those of the old one
-    question  {"sizes": bytes of each, with commas; "new": how many are of the new folder}
+    question  the touches of the new folder came with it, then those of the old one; {"new": how
+              many are of the new folder}
     return    `cards`, of each folder; `changes`, the likeliest first, null for one folder: each
               with its evidence, cost and remedy, and what undoes it here, `mend` or a `profile`;
               `gels`: grain and sharpness of simulated ones
 
-    Raises DataError for sizes that are not those of the content, and for fewer than five touches.
+    Raises DataError for fewer than five touches or too many.
     """
     import numpy as np
 
@@ -38,10 +37,10 @@ def card(resources: Resources, content: Content, question: Question) -> Reply:
     from omnivat.measure.card.report import GELS
 
     touches = []
-    for k, part in enumerate(parts(content, str(question.get("sizes", "")), MOST_TOUCHES), 1):
+    for k, part in enumerate(files_in(question, MOST_TOUCHES, "touch"), 1):
         touches.append(np.asarray(decoded(resources, part, {"name": f"touch {k}"})))
-    count = str(question.get("new", ""))[:3]
-    new = int(count) if count.isdecimal() else len(touches)
+    count = question.get("new")
+    new = count if isinstance(count, int) and count > 0 else len(touches)
     cards: list[SensorCard] = []
     for folder in (touches[:new], touches[new:]):
         if folder or not cards:

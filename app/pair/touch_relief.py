@@ -4,7 +4,7 @@ import json
 from io import BytesIO
 from typing import Any
 
-from app.pair.pictures import Content, decoded, name_in
+from app.pair.pictures import decoded, files_in, name_in
 from app.shared.pair_input import profile_in
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of
@@ -15,17 +15,16 @@ FEWEST, MOST = 5, 20  # touches of one request that give good lamps; more change
 KINDS = ("figures", "npy", "ply")
 
 
-def relief(resources: Resources, content: Content, question: Question) -> bytes | Reply:
+def relief(resources: Resources, question: Question) -> bytes | Reply:
     """Return the relief of the first of several touches of one sensor, by the lamps of its profile
     or, where that holds none, by those that the touches give.
 
-    content   the touches, one after the other
-    question  {"sizes": bytes of each, with commas; "profile": of the sensor that made them; "as":
-              "figures", to draw; "npy", slopes to the right and downwards and heights (H, W, 3)
-              float32; or "ply", the heights as a surface}
+    question  the touches came with it; {"profile": of the sensor that made them; "as": "figures",
+              to draw; "npy", slopes to the right and downwards and heights (H, W, 3) float32; or
+              "ply", the heights as a surface}
 
-    Raises DataError for sizes that are not those of the content, and where touches give no lamps;
-    ForgottenError for a profile that is not kept.
+    Raises DataError for none or too many touches, and where they give no lamps; ForgottenError for
+    a profile that is not kept.
     """
     import numpy as np
 
@@ -34,7 +33,7 @@ def relief(resources: Resources, content: Content, question: Question) -> bytes 
 
     kind = one_of("as", question.get("as"), KINDS)
     profile = profile_in(resources, question)
-    sent = parts(content, str(question.get("sizes", "")), MOST)
+    sent = files_in(question, MOST, "touch")
     known = profile and profile.lamps
     if profile and not known and len(sent) < FEWEST:
         raise DataError(
@@ -80,17 +79,3 @@ def drawn(name: str, heights: Any, slopes: Any, theme: str) -> list[Any]:
     shown[0].update_layout(height=360, margin={"l": 0, "r": 0, "t": 40, "b": 0})
     template = "omnivat_dark" if theme == "dark" else "omnivat"
     return [json.loads(one.update_layout(template=template).to_json()) for one in shown]
-
-
-def parts(content: Content, sizes: str, most: int) -> list[bytes]:
-    """Return the pictures in a body; raises DataError if they are not all of it, or more than
-    `most`."""
-    whole = content if isinstance(content, bytes) else content.read_bytes()
-    numbers = [int(one) if one.isdecimal() else 0 for one in sizes[: 9 * most].split(",")]
-    if len(numbers) > most or not all(numbers) or sum(numbers) != len(whole):
-        raise DataError(
-            f"sizes is '{sizes:.40}' for {len(whole):,} bytes; give the bytes of each of 1 to"
-            f" {most} touches, with commas."
-        )
-    ends = [sum(numbers[: k + 1]) for k in range(len(numbers))]
-    return [whole[end - size : end] for end, size in zip(ends, numbers, strict=True)]

@@ -73,7 +73,10 @@ QUESTIONS: dict[str, Work] = {
     "teach": teaching.teach,
     "curve": teaching.curve,
     "taught": teaching.taught,
+    "live": pictures.live,
     "occlusion": pictures.occlusion,
+    "relief": touch_relief.relief,
+    "card": sensor_card.card,
     "save/set": teaching.save_set,
     "save/head": teaching.save_taught,
     "save/sensor": sensor.save_sensor,
@@ -91,14 +94,12 @@ FACTS: dict[str, Work] = {  # questions without anything in them
     "unseen": explore.unseen,
     "examples": pair.gallery,
 }
-PRIORITIES: dict[Work, int] = {pictures.occlusion: 2}  # of what takes seconds
+# of those that come many a second, or take seconds
+PRIORITIES: dict[Work, int] = {pictures.live: 0, pictures.occlusion: 2}
 SERVED: dict[str, Work] = {"real": real, "head.zip": head_file}  # of no use without a server
 # what comes as a file in the body: its work, priority and largest size
 SENT: dict[str, tuple[Work, int, int]] = {
-    "live": (pictures.live, 0, MAX_IMAGE_BYTES),
     "image": (pictures.taken, 1, MAX_IMAGE_BYTES),
-    "relief": (touch_relief.relief, 1, MAX_IMAGE_BYTES),
-    "card": (sensor_card.card, 1, MAX_IMAGE_BYTES),
     "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
 }
 PROJECT_FILES = {  # the same for every set

@@ -1,5 +1,6 @@
 """A small learnable set and head for the page's tests."""
 
+import json
 import time
 from dataclasses import replace
 
@@ -115,6 +116,13 @@ def served(resources, *, api=False, **more):
     from app.shared.visitor_sets import VisitorSets
 
     return TestClient(Starlette(routes=routes(VisitorSets(resources), api=api)), **more)
+
+
+def posted(client, route, question, *files):
+    """Return the response to a question with pictures after it."""
+    parts = [json.dumps(question).encode(), *files]
+    sizes = ",".join(str(len(part)) for part in parts)
+    return client.post(f"/omnivat/{route}?sizes={sizes}", content=b"".join(parts))
 
 
 @pytest.fixture

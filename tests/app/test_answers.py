@@ -8,6 +8,7 @@ import pytest
 from app.pair import tab as pair
 from app.pair.pictures import live
 from app.serving import about
+from app.shared.requests import FILES
 
 
 def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
@@ -23,7 +24,7 @@ def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
 
 def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
     for _ in range(2):
-        found = live(resources, png(), {"modality": "vis"})
+        found = live(resources, {"modality": "vis", FILES: [png()]})
     assert encoder.calls == 2
     assert set(found["readings"]) == {"fused", "vis"}
     assert sum(found["readings"]["fused"]) == pytest.approx(1, abs=1e-3)
@@ -37,7 +38,7 @@ def test_a_record_without_any_target_can_be_sent():
 def test_two_live_pictures_are_predicted_as_the_pair_of_them(resources, png):
     photo, touch = png(seed=1), png(seed=2)
     refs = (str(resources.take_image(content, "a.png")[0]) for content in (photo, touch))
-    found = live(resources, photo + touch, {"modality": "both", "split": len(photo)})
+    found = live(resources, {"modality": "both", FILES: [photo, touch]})
     pair_of_both = pair.predicted(resources, dict(zip(("vis", "tac"), refs, strict=True)))
     assert found["readings"].keys() == pair_of_both["exact"]["readings"].keys()
     for name, row in pair_of_both["exact"]["readings"].items():

@@ -41,6 +41,6 @@ def test_no_visitor_finds_a_profile_or_head_of_another(resources):
     for client, status in ((own, 200), (other, 410)):
         for path, asked in (
             ("save/sensor", {"json": {"profile": profile}}),
-            (f"live?modality=vis&taught={taught}", {"content": picture}),
+            ("tree", {"json": {"vis": "row:1", "taught": taught}}),
         ):
             assert client.post(f"/omnivat/{path}", **asked).status_code == status, path

@@ -62,9 +62,11 @@ REFUSED = [
     ),
     ("save/sensor", {}, "no profile of your sensor yet"),
     ("live", {"modality": "smell"}, "choose one of vis, tac, both"),
-    *(("live", {"modality": "both", "split": split}, "split is") for split in (0, 10**8)),
+    ("live", {"modality": "both"}, "0 pictures came"),
+    ("relief", {"as": "npy"}, "0 pictures came"),
+    ("card", {}, "0 pictures came"),
     ("occlusion", {"modality": "lang"}, "choose one of vis, tac."),
-    ("occlusion", {"modality": "vis"}, "Send the picture"),
+    ("occlusion", {"modality": "vis"}, "0 pictures came"),
     ("occlusion", {"modality": "vis", "tac": "row:x"}, "No pair has the number 'x'"),
     ("pair", {"vis": "row:1", "with": ["everything"]}, "with has to be a list of familiar"),
     ("pair", {"vis": "image:KEY:AAAA"}, "cut short"),
@@ -89,7 +91,7 @@ def own_in(resources, question):
 @pytest.mark.parametrize(("route", "question", "words"), [*REFUSED, *FORGOTTEN])
 def test_it_is_refused_with_what_is_wanted(resources, png, route, question, words):
     question = own_in(resources, question)
-    if route == "occlusion" and "Send" not in words:
+    if route == "occlusion" and "came" not in words:
         question[FILES] = [png()]
     ask = (
         partial(SENT[route][0], resources, png())

@@ -15,7 +15,7 @@ from app.shared.messages import UNEXPECTED
 from app.shared.resources import Resources
 from omnivat.maps.frames import read_frames
 
-from .conftest import sentence, served
+from .conftest import posted, sentence, served
 
 JUNK = [
     b"",
@@ -54,13 +54,6 @@ def test_an_image_goes_in_and_its_pair_is_answered(client, png):
     assert taken["preview"].startswith("data:image/jpeg;base64,")
     answer = client.post("/omnivat/pair", json={"vis": taken["ref"], "tac": "row:2"}).json()
     assert len(answer["stops"]["fused"]) == 101
-
-
-def posted(client, route, question, *files):
-    """Return the response to a question with pictures after it."""
-    parts = [json.dumps(question).encode(), *files]
-    sizes = ",".join(str(len(part)) for part in parts)
-    return client.post(f"/omnivat/{route}?sizes={sizes}", content=b"".join(parts))
 
 
 def test_an_uploaded_pair_is_one_request_and_its_reply_replaces_the_pictures(client, png):

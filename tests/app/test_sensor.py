@@ -22,7 +22,7 @@ from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
-from .conftest import own_image, sentence, served
+from .conftest import own_image, posted, sentence, served
 
 
 @pytest.fixture
@@ -113,13 +113,13 @@ def test_a_profile_that_is_not_there_stops_the_start_in_one_sentence(capsys, tmp
 
 
 def sent(pictures):
-    """Return pictures as files of one body, and their sizes."""
+    """Return pictures as files."""
     bodies = []
     for picture in pictures:
         with BytesIO() as file:
             Image.fromarray(np.ascontiguousarray(picture)).save(file, "PNG")
             bodies.append(file.getvalue())
-    return b"".join(bodies), ",".join(str(len(one)) for one in bodies)
+    return bodies
 
 
 @pytest.fixture(scope="module")
@@ -132,9 +132,9 @@ def gel():
 def test_two_folders_in_one_request_give_two_cards_and_the_word_that_mends_the_new_one(
     resources, gel
 ):
-    content, sizes = sent([*(one[:, ::-1] for one in gel), *gel])
+    touches = sent([*(one[:, ::-1] for one in gel), *gel])
     with served(resources) as client:
-        found = client.post(f"/omnivat/card?new={len(gel)}&sizes={sizes}", content=content).json()
+        found = posted(client, "card", {"new": len(gel)}, *touches).json()
     assert [(one["part"], one["mend"]) for one in found["changes"]] == [("mirrored", "left-right")]
     new, old = found["cards"]
     assert new["pictures"] == old["pictures"] == len(gel)
@@ -147,11 +147,10 @@ def test_flat_grey_single_and_too_many_touches_are_told_in_one_sentence(resource
     with served(resources) as client:
 
         def card(pictures):
-            content, sizes = sent(pictures)
-            return client.post(f"/omnivat/card?sizes={sizes}", content=content)
+            return posted(client, "card", {}, *sent(pictures))
 
         assert "needs 5 touch images" in sentence(card(gel[:1]))
-        assert f"1 to {MOST_TOUCHES}" in sentence(card([gel[0][:8, :8]] * (MOST_TOUCHES + 1)))
+        assert "at most 51 parts" in sentence(card([gel[0][:8, :8]] * (MOST_TOUCHES + 1)))
         for flat in (grey, np.full_like(grey, 90)):
             reply = card([flat] * 5).json()
             assert reply["changes"] is None and reply["cards"][0]["lamps"] is None
@@ -173,9 +172,7 @@ def test_a_touch_is_read_as_the_request_mends_it_and_a_photo_as_it_comes(resourc
         assert touch == as_touch and photo != as_photo
         assert rows(mirrored)[0][0] == photo
         live = [
-            client.post(f"/omnivat/live?modality=tac&mend={mend}", content=content).json()[
-                "readings"
-            ]
+            posted(client, "live", {"modality": "tac", "mend": mend}, content).json()["readings"]
             for content, mend in ((mirrored, "left-right"), (plain, ""), (mirrored, ""))
         ]
         assert live[0] == live[1] != live[2]

@@ -57,15 +57,11 @@ def test_the_taught_head_is_saved_as_a_folder_that_loads(resources, tmp_path):
     assert load_head(tmp_path / "taught-head").settings.classes[-1] == "cork"
 
 
-def occluded(resources, content, question):
-    return occlusion(resources, {**question, FILES: [content]})
-
-
-@pytest.mark.parametrize("of_image", [occluded, live])
+@pytest.mark.parametrize("of_image", [occlusion, live])
 def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
     question = {"modality": "vis"}
     name = taught(resources, {"lessons": [{**one, "label": "cork"} for one in LESSONS]})
-    plain, own = (of_image(resources, png(), {**question, **one}) for one in ({}, name))
+    plain, own = (of_image(resources, {**question, **one, FILES: [png()]}) for one in ({}, name))
     said = [one.get("class") or one["classes"][-1] for one in (plain, own)]
     assert said[0] != "cork"
     assert said[1] == "cork"
@@ -75,7 +71,7 @@ def test_live_compares_a_picture_with_the_labelled_ones_once_they_are_taught(res
     refs = [str(resources.take_image(png(seed=k), f"{k}.png")[0]) for k in range(4)]
     lessons = [{"vis": ref, "label": name} for ref, name in zip(refs, "aabb", strict=True)]
     plain, own = (
-        live(resources, png(), {"modality": "vis", **one})["images"]["vis"]
+        live(resources, {"modality": "vis", FILES: [png()], **one})["images"]["vis"]
         for one in ({}, taught(resources, {"lessons": lessons}))
     )
     assert own["cosine"] == 1 != plain["cosine"]  # it is the first of them

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from app.pair.touch_relief import MOST, relief
+from app.shared.requests import FILES
 from app.shared.state import ForgottenError
 from omnivat import lamps, slopes
 from omnivat.head.heads import EXAMPLES
@@ -22,9 +23,8 @@ def touches():
 
 
 def sent(resources, touches, kind, **more):
-    """Return the reply to touches in one body."""
-    about = {"as": kind, "sizes": ",".join(str(len(one)) for one in touches), "name": "<b>x</b>"}
-    return relief(resources, b"".join(touches), about | more)
+    """Return the reply to touches that come with a question."""
+    return relief(resources, {"as": kind, "name": "<b>x</b>", FILES: touches, **more})
 
 
 def test_the_first_of_the_touches_comes_back_as_slopes_heights_a_surface_and_figures(
@@ -63,9 +63,9 @@ def test_one_touch_is_drawn_by_the_lamps_of_the_profile_which_the_caption_names(
         sent(resources, touches, "npy", profile="gone")
 
 
-def test_too_few_touches_and_sizes_that_are_not_theirs_are_refused(resources, touches):
+def test_too_few_and_too_many_touches_are_refused(resources, touches):
     with pytest.raises(DataError, match=r"three|3"):
         sent(resources, touches[:2], "npy")
-    for sizes in ("", "5", "0,9", ",".join(["1"] * (MOST + 1))):
-        with pytest.raises(DataError, match="sizes is"):
-            relief(resources, touches[0], {"as": "npy", "sizes": sizes})
+    for count in (0, MOST + 1):
+        with pytest.raises(DataError, match=f"{count} pictures came with the question"):
+            sent(resources, touches[:1] * count, "npy")

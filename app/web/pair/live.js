@@ -1,6 +1,6 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage, attempt } from "../shared/api.js";
+import { ask, attempt } from "../shared/api.js";
 import { FRAMES } from "./feed.js";
 import { dataSets } from "./lerobot.js";
 import { camera, held } from "./own-pictures.js";
@@ -111,12 +111,8 @@ async function loop(desk, run, signal) {
     const blobs = await Promise.all(there.map((feed) => feed.blob()));
     const both = there.length > 1;
     const taught = await taughtBy(lessonsOf(desk.tab), number <= AT_ONCE);
-    const answer = await askOfImage("live", new Blob(blobs), {
-      modality: both ? "both" : there[0].modality,
-      split: both ? blobs[0].size : 0,
-      taught,
-      head: desk.tab.head,
-    });
+    const question = { modality: both ? "both" : there[0].modality, taught, head: desk.tab.head };
+    const answer = await ask("live", question, undefined, blobs);
     if (number < run.shown) continue;
     run.shown = number;
     const now = performance.now();

@@ -1,7 +1,7 @@
 /** The relief of the open touch, to turn: by the lamps of the visitor's profile, or from touches of its sensor that
  * this browser has. */
 
-import { address, attempt, bytesOf, once, Refusal, reliefOf } from "../shared/api.js";
+import { address, attempt, bytesOf, made, once, Refusal } from "../shared/api.js";
 import { held } from "../shared/held.js";
 import { isDark } from "../shared/palette.js";
 import { save } from "../shared/save.js";
@@ -110,7 +110,8 @@ export class Relief extends View {
       if (blob && size <= LARGEST) blobs.push(blob);
     }
     const name = describe(tab, /** @type {Ref} */ (tab.tac)).text;
-    return reliefOf(blobs, as, isDark() ? "dark" : "light", name, profileOf(tab));
+    const question = { as, theme: isDark() ? "dark" : "light", name, profile: profileOf(tab) };
+    return made("relief", question, blobs);
   }
 
   /** @param {string} as */

@@ -1,7 +1,7 @@
 /** The work that Try a pair needs: requests to the server, files in and out. Its end is an event; a Refusal
  * becomes a sentence in the part that NOTES names. */
 
-import { ask, attempt, bytesOf, cardOf, get, isOwnPicture, made, Refusal, unread, visit } from "../shared/api.js";
+import { ask, attempt, bytesOf, get, isOwnPicture, made, Refusal, unread, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { headLabel } from "../shared/headsets.js";
 import { keep, kept } from "../shared/memory.js";
@@ -282,7 +282,7 @@ async function card({ tab, send }, _, signal) {
     files.length <= most ? files : Array.from({ length: most }, (_, k) => files[Math.floor((k * files.length) / most)]),
   );
   send("doing", { card: `Reading ${plural(some.flat().length, "touch", "touches")}…` });
-  const found = await cardOf(some.flat(), some[0].length, signal);
+  const found = await ask("card", { new: some[0].length }, signal, some.flat());
   const tac = tab.on || isOwn(tab) ? null : await held(some[0][0], send);
   send("cardRead", { card: found, tac });
 }

@@ -233,14 +233,21 @@ function packed(question, attached) {
   };
 }
 
+/** @param {string} path @param {object} question @param {Blob[]} files @param {AbortSignal} [signal] */
+function withFiles(path, question, files, signal) {
+  if (!files.length) return post(path, question, signal);
+  const parts = [new Blob([JSON.stringify(question)]), ...files];
+  const address = `${path}${path.includes("?") ? "&" : "?"}sizes=${parts.map(({ size }) => size)}`;
+  return post(address, new Blob(parts), signal);
+}
+
 /** Send a question, and the pictures that come with it; what was read in those is kept.
  * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
 async function posted(path, question, signal, attached = []) {
   const { sent, blobs, fresh, mend } = packed(whole(path, question), attached);
-  if (!blobs.length) return post(path, sent, signal);
-  const parts = [new Blob([JSON.stringify(sent)]), ...blobs];
-  const address = `${path}${path.includes("?") ? "&" : "?"}sizes=${parts.map(({ size }) => size)}`;
-  const { pictures, problem, ...reply } = await (await post(address, new Blob(parts), signal)).json();
+  const response = await withFiles(path, sent, blobs, signal);
+  if (!blobs.length) return response;
+  const { pictures, problem, ...reply } = await response.json();
   /** @type {string[]} */
   const broken = [];
   for (const [at, ref] of fresh.entries()) {
@@ -285,40 +292,12 @@ export async function bytesOf(ref, modality) {
   return awaited(get(`example/${path}/${modality}`).then((response) => response.blob()));
 }
 
-/** Send an image with a request; `taught` names a taught head, `split` the bytes of the first of two pictures.
- * @template {"live"} What @param {What} what @param {Blob} blob
- * @param {{modality: string, taught?: string, split?: number, head?: string}} about
- * @returns {Promise<Replies[What]>} */
-export function askOfImage(what, blob, about) {
-  const stated = Object.entries({ ...about, profile: visit.profile, mend: visit.mend }).filter(
-    ([, value]) => value || value === 0,
-  );
-  return replied(post(`${what}?${new URLSearchParams(stated.map(([name, value]) => [name, `${value}`]))}`, blob));
-}
-
-/** @param {Blob[]} touches */
-const sizesOf = (touches) => touches.map(({ size }) => size).join();
-
-/** The cards of two folders of touches, of which some are the first one's, and what changed.
- * @param {Blob[]} touches @param {number} first @param {AbortSignal} signal @returns {Promise<Replies["card"]>} */
-export const cardOf = (touches, first, signal) =>
-  replied(post(`card?${new URLSearchParams({ new: `${first}`, sizes: sizesOf(touches) })}`, new Blob(touches), signal));
-
-/** The relief of the first of several touches of one sensor, by the lamps of its profile if that holds any.
- * @param {Blob[]} touches @param {string} as
- * @param {string} theme
- * @param {string} name
- * @param {string} profile */
-export function reliefOf(touches, as, theme, name, profile) {
-  const about = new URLSearchParams({ as, theme, name, profile, mend: visit.mend, sizes: sizesOf(touches) });
-  return awaited(post(`relief?${about}`, new Blob(touches)).then((response) => response.blob()));
-}
-
-/** A file that the server makes of a question, whose pictures are read first. Throws a Refusal.
- * @param {string} path @param {Question} question */
-export async function made(path, question) {
+/** A file that the server makes of a question, whose own pictures are read first, and of what is `attached`. Throws a
+ * Refusal. @param {string} path @param {Question} question @param {Blob[]} [attached] */
+export async function made(path, question, attached = []) {
   for (const ref of imagesIn(question)) if (unread(ref)) await ask("many", { pairs: [{ tac: ref }] });
-  return awaited(post(path, packed(whole(path, question), []).sent).then((response) => response.blob()));
+  const { sent, blobs } = packed(whole(path, question), attached);
+  return awaited(withFiles(path, sent, blobs).then((response) => response.blob()));
 }
 
 /** Upload one file of a head or set; its name in `load` is the reply's `part`.
