@@ -172,6 +172,20 @@ def three_maps(colours: Embeddings, drawn: Embeddings, source: str, seed: int) -
     """
     rows = colours.rows_of(source, split="train")
     raw = raw_of(colours, rows) | {"relief": raw_of(drawn, rows)["tac"]}
+    return _of_colours(colours, raw, source, seed)
+
+
+def wide_maps(colours: Embeddings, wide: Embeddings, source: str, seed: int) -> Learned:
+    """Train linear maps of photo, touch and both on a touch that is one vector of its colours
+    beside its relief; their noise is that of the colours' maps.
+    """
+    rows = colours.rows_of(source, split="train")
+    return of_maps(_of_colours(colours, raw_of(wide, rows), source, seed))
+
+
+def _of_colours(colours: Embeddings, raw: Raw, source: str, seed: int) -> FittedMaps:
+    """Train linear maps on the training pairs of a source, with the noise that colours choose."""
+    rows = colours.rows_of(source, split="train")
     white, shift = maps_method.CANDIDATES[noise_of(colours, source)]
     return fit_maps(
         raw,

@@ -27,6 +27,7 @@ CHIRPS = RECORDS / "chirps.jsonl.gz"
 DRAWS = 10_000
 BOTH = "+colours"  # after the name of a method by relief: a head of colours beside it
 THREE = "three_maps"  # linear maps of photo, colours, relief and all three
+WIDE = "wide_maps"  # linear maps of photo, colours beside relief in one vector, and both
 Array = NDArray[Any]
 # method -> accuracy in percent (sources, targets, seeds); NaN where absent
 Cells = dict[str, Array]

@@ -224,7 +224,8 @@ def check_relief(count: Count) -> None:
                 continue
             mean, _, gain = cell.partition(" ")
             alone = METHODS.get(name, "linear_maps")
-            both = by_rung[rung][alone + "+colours" if name in METHODS else "three_maps"]
+            inputs = "wide_maps" if "one vector" in name else "three_maps"
+            both = by_rung[rung][alone + "+colours" if name in METHODS else inputs]
             count.compare(f"relief and colours, {name}, {rung}", float(mean), mean_of(both))
             less = minus(both, by_rung[rung][alone])
             count.text(f"relief and colours, {name}, {rung}, gain", gain, drawn(less))

@@ -33,6 +33,7 @@ from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
 from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.kit.files import replacing
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import pin_thread
 from omnivat.measure.known import known_rows
 from omnivat.measure.rungs import Known, labels, pairs
@@ -93,6 +94,24 @@ class Reliefs:
         held = read(self.folder / f"{seed}-{what.name}.npz")
         tac[held["rows"]] = held["tac"]
         return replace(self.source, tac=tac)
+
+
+class Wide(Reliefs):
+    """A set whose touches are read in colours and by relief, as `embed --touch both` reads them."""
+
+    def __init__(self, relief: Reliefs) -> None:
+        self.colours, self.relief = relief.colours, relief
+        self.source, self.alone = map(self.beside, (relief.source, relief.alone))
+
+    def target(self, what: Known, seed: int) -> Embeddings:
+        """Return the set as a seed reads its targets."""
+        return self.beside(self.relief.target(what, seed))
+
+    def beside(self, lit: Embeddings) -> Embeddings:
+        """Return colours beside relief, and photos beside zeros; mirrored pairs are left out."""
+        photo, touch = (np.asarray(getattr(self.colours, n), np.float32) for n in IMAGES)
+        vis, tac = np.hstack([photo, np.zeros_like(photo)]), np.hstack([touch, lit.tac])
+        return replace(lit, vis=vis, tac=tac, vis_flip=None, tac_flip=None)
 
 
 class Drawn:

@@ -22,7 +22,8 @@ with nothing known by each touch's own lamps, a20 by these and a profile of 20 p
 the lamps of 5 or 20 known pairs and nothing else, n5, n20 and k5 by these lamps beside the rest.
 `NAME+colours` is two heads of one method and seed, which learned relief and colours, and the mean
 of their log-probabilities; the second knows as much of the target by its profile. `three_maps` is
-linear maps of photo, colours, relief and all three.
+linear maps of photo, colours, relief and all three. `wide_maps` is linear maps of photo, touch and
+both, for which a touch is one vector of its colours beside its relief.
 """
 
 import argparse
@@ -49,9 +50,10 @@ from benchmarks._table_methods import (
     published,
     raw_of,
     three_maps,
+    wide_maps,
 )
-from benchmarks._table_record import BOTH, THREE
-from benchmarks.relief import FOLDER, KNOWN, Reliefs, order
+from benchmarks._table_record import BOTH, THREE, WIDE
+from benchmarks.relief import FOLDER, KNOWN, Reliefs, Wide, order
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import profile_of
@@ -270,8 +272,8 @@ def main() -> None:
     parser.add_argument("--relief", action="store_true", help=f"touches by relief, of {FOLDER}")
     parser.add_argument("--pack", action="store_true", help="write them to examples/records, too")
     options = parser.parse_args()
-    if not options.relief and (BOTH in options.methods or THREE in options.methods):
-        parser.error(f"'{THREE}' and names with '{BOTH}' read relief, too; add --relief")
+    if not options.relief and any(one in options.methods for one in (BOTH, THREE, WIDE)):
+        parser.error(f"'{THREE}', '{WIDE}' and names with '{BOTH}' read relief, too; add --relief")
     pin_thread()
     embeddings = load_embeddings(options.embeddings)
     relief = Reliefs(embeddings) if options.relief else None
@@ -306,7 +308,11 @@ def write_run(
     if relief and (name.endswith(BOTH) or name == THREE):
         made.append((relief.colours, None))
     bare = "nearest_mean" if name == THREE else name.removesuffix(BOTH)  # it needs no training
-    heads = [Measured(one, bare, source, seed, relief=by) for one, by in made]
+    methods = METHODS
+    if relief and name == WIDE:
+        wide = Wide(relief)
+        made, methods = [(wide.source, wide)], {WIDE: partial(wide_maps, relief.colours)}
+    heads = [Measured(one, bare, source, seed, methods, by) for one, by in made]
     if relief and name == THREE:
         started = time.perf_counter()
         maps = three_maps(relief.colours, embeddings, source, seed)

@@ -25,6 +25,7 @@ from benchmarks._table_record import (
     RECORDS,
     ROOT,
     THREE,
+    WIDE,
     Array,
     Cells,
     Record,
@@ -81,6 +82,10 @@ NEEDED = {  # methods of the paper that these sets and this encoder do not give
     "SITR whole": "its own transformer and calibration presses",
     "RobustVisH": "a kinaesthetic branch, and half an hour of training a source",
 }
+INPUTS = {
+    THREE: "Linear maps of photo, colours, relief and all three",
+    WIDE: "Linear maps of photo, touch as one vector of colours and relief, and both",
+}
 OURS, THEIRS, MEAN = "omnivat", "linear_maps", "nearest_mean"
 SHOWN = ("erm_mlp", THEIRS, OURS, MEAN, "baseline")  # rows of the README
 HOME = "OmniVaT without training noise"  # the better of both on real pairs
@@ -124,7 +129,7 @@ def with_colours(relief: Record) -> str:
     """Return what reads relief and colours, and in brackets its gain over relief alone."""
     lit = [relief.cells(rung) for rung in LIT]
     rows = [[words, n + BOTH, n] for n, words in NAMES.items() if n + BOTH in lit[0]]
-    rows.insert(0, ["Linear maps of photo, colours, relief and all three", THREE, THEIRS])
+    rows = [[words, name, THEIRS] for name, words in INPUTS.items()] + rows
 
     def cell(cells: Cells, both: str, alone: str) -> str:
         if both not in cells:
@@ -285,8 +290,9 @@ that it gives alone; lamps of 5 or 20 are those of pictures without labels.
 
 {leads_by_relief(relief)}
 
-Relief and colours together: linear maps of three inputs (`--methods three_maps`), and two heads of one method and seed with the mean
-of their log-probabilities (`--methods linear_maps+colours`). Three seeds; in brackets, points more than by relief alone:
+Relief and colours together: linear maps of three inputs (`--methods three_maps`), of the one vector of `embed --touch both`
+(`--methods wide_maps`), and two heads of one method and seed with the mean of their log-probabilities (`--methods
+linear_maps+colours`). Three seeds; in brackets, points more than by relief alone:
 
 {with_colours(relief)}
 

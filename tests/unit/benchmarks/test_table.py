@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from benchmarks import _table_methods, table, table_text
-from benchmarks.relief import Reliefs, read, write
+from benchmarks.relief import Reliefs, Wide, read, write
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
 from omnivat.kit.lines import lines as all_lines
@@ -84,6 +84,21 @@ def test_maps_of_three_inputs_read_every_rung_without_labels_and_take_the_photo_
         made = ~np.isnan(values).any(1)
         assert (made == (home if rung == "home" else ~home)).all(), rung
         assert np.array_equal(values, shares[1][rung], equal_nan=True), rung
+
+
+def test_one_vector_of_colours_beside_relief_is_read_on_every_rung(embeddings, tmp_path):
+    lit = replace(embeddings, tac=embeddings.tac[::-1].copy())
+    relief = SimpleNamespace(colours=embeddings, source=lit, alone=lit, target=lambda *_: lit)
+    wide = Wide(relief)
+    for one in (wide.source, wide.alone, wide.target(None, 0)):
+        colours, bent = np.hsplit(one.tac, 2)
+        assert np.array_equal(colours, embeddings.tac) and np.array_equal(bent, lit.tac)
+        photo, rest = np.hsplit(one.vis, 2)
+        assert np.array_equal(photo, embeddings.vis) and not rest.any()
+    table.write_run(lit, "wide_maps", "OF Real-sim", 0, tmp_path / "a.jsonl", relief)
+    shares = np.load(table.kept(tmp_path / "a.jsonl", "wide_maps", "OF Real-sim", 0))
+    assert {"home", "none", "l5", "l20", "n5", "n20", "k5", "tac", "l20, touch"} <= set(shares)
+    assert not np.array_equal(shares["none"], shares["tac"], equal_nan=True)
 
 
 @pytest.mark.slow
