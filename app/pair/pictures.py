@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.shared.familiar import predict_one
 from app.shared.mend import mend_in, mended
-from app.shared.pair_input import OTHER, pair_request, rounded
+from app.shared.pair_input import OTHER, lamps_in, pair_request, rounded
 from app.shared.requests import FILES
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, one_of
@@ -38,7 +38,8 @@ def taken(resources: Resources, content: Content, question: Question) -> Reply:
     """Read an image; return its embeddings, for later requests, its size and a small preview.
     Nothing of it is kept.
     """
-    ref, found = resources.take_image(content, name_in(question), mend_in(question))
+    lamps = lamps_in(resources, question)
+    ref, found = resources.take_image(content, name_in(question), mend_in(question), lamps)
     return {
         "ref": str(ref),
         "width": found.width,
@@ -140,11 +141,9 @@ def live(resources: Resources, question: Question) -> Reply:
     """
     import torch
 
-    from omnivat.encoders.base import for_modality
-
     modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
     given = dict(zip(IMAGES if modality == BOTH else (modality,), files_in(question), strict=False))
-    encoders = {one: for_modality(resources.encoder(), one) for one in given}
+    encoders = {one: resources.reader(one, lamps_in(resources, question)) for one in given}
     with torch.inference_mode():
         pixels = {
             one: encoders[one].preprocess(decoded(resources, part, question, one))
@@ -174,14 +173,12 @@ def occlusion(resources: Resources, question: Question) -> Reply:
     import torch
     from PIL.Image import fromarray
 
-    from omnivat.encoders.base import for_modality
-
     modality = one_of("modality", question.get("modality"), OTHER)
     image = decoded(resources, files_in(question)[0], question, modality)
     image.thumbnail((SIDE, SIDE))
     whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
     shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]
-    encoder = for_modality(resources.encoder(), modality)
+    encoder = resources.reader(modality, lamps_in(resources, question))
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in shown]
         parts = []

@@ -89,11 +89,13 @@ def from_the_start(resources: Resources) -> Reply:
 
 
 def _kept(resources: Resources, profile: "Profile") -> Reply:
-    from omnivat.data.relief.files import packed
+    from omnivat.data.relief.files import TOUCH, packed, touch_of
 
     parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
     lamps = packed(profile.lamps) if profile.lamps else ""
     rest = (profile.domain, profile.step, profile.way, lamps)
     name = content_name(repr([profile.counts, *parts, rest]).encode())
     resources.profiles.keep(name, profile)
-    return {"profile": name, "counts": profile.counts, "mend": profile.way}
+    relief = touch_of(resources.head().encoder["preprocessing"]) != TOUCH[0]
+    lit = relief and profile.lamps is not None  # touches are then read again, by these lamps
+    return {"profile": name, "counts": profile.counts, "mend": profile.way, "lit": lit}

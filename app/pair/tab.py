@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from app.shared.familiar import familiar, looked_at, predict_one, readings_of
 from app.shared.map_place import journey
 from app.shared.messages import without_places
-from app.shared.pair_input import pair_request, reader_of, rounded, within
+from app.shared.pair_input import lamps_in, pair_request, reader_of, rounded, within
 from app.shared.resources import Resources
 from app.shared.state import ForgottenError, Question, Reply
 from omnivat.data.domains import is_simulated
@@ -47,7 +47,8 @@ def predicted(resources: Resources, question: Question) -> Reply:
               "lessons": the visitor's labelled pairs, to predict by a head taught from them;
               "with": names of PARTS, what else to return of the pair}
     return    classes, the learned order and the `span` of orders the head was trained for;
-              `linear`: whether linear maps decide, in which p has no part;
+              `linear`: whether linear maps decide, in which p has no part; `touch`: how an own
+              touch is read, "" in colours;
               `exact`: class probabilities of each reading at that order; `stops`: the same at
               each of STOPS, without branches; spectra; `images`: the familiarity of each image,
               as `app.shared.familiar.looked_at` has it
@@ -91,6 +92,7 @@ def _predicted(resources: Resources, question: Question) -> Reply:
         "learned": head.model.order,
         "span": trained_span(head),
         "linear": head.settings.maps,
+        "touch": touch_words(resources, question),
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
         "exact": {
             "order": exact,
@@ -99,6 +101,16 @@ def _predicted(resources: Resources, question: Question) -> Reply:
         "spectra": {name: spectrum(values) for name, values in magnitudes.items()},
         "images": looked_at(named),
     }
+
+
+def touch_words(resources: Resources, question: Question) -> str:
+    """Return how a visitor's own touch is read, and by whose lamps; "" in colours."""
+    from omnivat.data.relief.files import TOUCH, reading_of, touch_of
+
+    touch = touch_of(resources.head().encoder["preprocessing"])
+    if touch == TOUCH[0] or not str(question.get("tac") or "").startswith("image:"):
+        return ""
+    return reading_of(touch, lamps_in(resources, question), " of your profile")
 
 
 def many(resources: Resources, question: Question) -> Reply:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from omnivat.data.profile import Profile
+    from omnivat.data.relief import Lamps
     from omnivat.head.calibration import Familiarity
     from omnivat.head.checkpoint import Head
     from omnivat.head.teach import Lesson
@@ -100,6 +101,12 @@ def profile_in(resources: Resources, question: Question) -> "Profile | None":
     if name and kept is None:
         raise ForgottenError("The server no longer has the profile of your sensor; load it again.")
     return kept
+
+
+def lamps_in(resources: Resources, question: Question) -> "Lamps | None":
+    """Return the lamps of the profile named in a request, if it holds some."""
+    profile = profile_in(resources, question)
+    return profile.lamps if profile else None
 
 
 def reader_of(resources: Resources, question: Question) -> "tuple[Head, Familiarity | None]":

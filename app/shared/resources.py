@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
     from omnivat.data.profile import Profile
+    from omnivat.data.relief import Lamps
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
     from omnivat.head.calibration import Familiarity
@@ -186,23 +187,35 @@ class Resources:
             raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
         return int(ref.name)
 
-    def take_image(self, source: bytes | Path, name: str, mend: str = "") -> tuple[Ref, Picture]:
+    def take_image(
+        self, source: bytes | Path, name: str, mend: str = "", lamps: "Lamps | None" = None
+    ) -> tuple[Ref, Picture]:
         """Embed an image from bytes or a file; return its embeddings and the decoded picture, as
-        `Decoder.read` does. As a touch it is mended (`app.shared.mend`).
+        `Decoder.read` does. As a touch it is mended (`app.shared.mend`), and read under `lamps`.
         """
         found = self.shared.decoder.read(source, name)
-        rows = self._embedded(found, mend)
+        rows = self._embedded(found, mend, lamps)
         return Ref.of_numbers(self.encoder_key(), b"".join(row.tobytes() for row in rows)), found
 
-    def _embedded(self, picture: Picture, mend: str) -> "list[Array]":
+    def reader(self, modality: str, lamps: "Lamps | None" = None) -> "Encoder":
+        """Return the encoder of photos or touches, "vis" or "tac"; where the head reads the relief
+        of touches, under the lamps of their sensor, or by those that each gives alone.
+        """
+        from omnivat.encoders.base import ReliefDrawn, for_modality
+
+        encoder = self.encoder()
+        if lamps and isinstance(encoder, ReliefDrawn):
+            encoder = ReliefDrawn(encoder, {"": lamps}, encoder.touch)
+        return for_modality(encoder, modality)
+
+    def _embedded(self, picture: Picture, mend: str, lamps: "Lamps | None" = None) -> "list[Array]":
         """Return an image's vectors as photo and as touch; only one if they are the same."""
         import numpy as np
 
-        from omnivat.encoders.base import for_modality
         from omnivat.encoders.wrapping import WithoutDots
 
         encoder = self.encoder()
-        photo, touch = (for_modality(encoder, name) for name in IMAGES)
+        photo, touch = (self.reader(name, lamps) for name in IMAGES)
 
         def read(by: "Encoder", image: "Image") -> "Array":
             row: Array = by.embed(by.preprocess(image)[None])[0].numpy().astype(np.float32)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.shared.state import ref_from
+
 
 def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
     resources, encoder, png, monkeypatch
@@ -71,3 +73,43 @@ def test_a_picture_without_dots_is_embedded_once_and_every_vector_is_the_encoder
     found = resources._embedded(Picture(image=shown, width=1, height=1), mend)
     assert len(runs) == len(found) == passes
     assert np.array_equal(found[0], expected["vis"]) and np.array_equal(found[-1], expected["tac"])
+
+
+@pytest.mark.parametrize("touch", ["relief", "both"])
+def test_an_own_touch_is_read_by_the_lamps_of_the_profile_and_the_reply_says_so(
+    resources, encoder, monkeypatch, touch
+):
+    from app.pair.pictures import taken
+    from app.pair.sensor import _kept
+    from app.pair.tab import touch_words
+    from omnivat import lamps
+    from omnivat.encoders.base import ReliefDrawn
+    from omnivat.head.heads import EXAMPLES
+
+    files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))
+    gel = lamps([np.asarray(Image.open(file).convert("RGB")) for file in files[1:]])
+    relief, head = ReliefDrawn(encoder, {}, touch), resources.head()
+    wide = SimpleNamespace(
+        settings=replace(head.settings, input_width=relief.width),
+        encoder={**head.encoder, "preprocessing": relief.preprocessing},
+    )
+    named = {}
+    for name, held in (("lit", gel), ("unlit", None)):
+        reply = _kept(resources, replace(head.source_profile, lamps=held))
+        named[name] = {"profile": reply["profile"]}
+        assert not reply["lit"]  # of a head that reads colours
+    monkeypatch.setattr(resources, "encoder", lambda: relief)
+    monkeypatch.setattr(resources, "head", lambda: wide)
+    assert _kept(resources, replace(head.source_profile, lamps=gel))["lit"]
+    plain, unlit, lit = (
+        taken(resources, files[0], question)["ref"]
+        for question in ({}, named["unlit"], named["lit"])
+    )
+    wanted = ReliefDrawn(encoder, {"own": gel}, touch).of["own"]
+    shown = wanted.embed(wanted.preprocess(Image.open(files[0]).convert("RGB"))[None])[0].numpy()
+    assert plain == unlit != lit
+    assert np.array_equal(resources.embedding(ref_from(lit), "tac"), shown)
+    assert "by the lamps that each touch gives alone" in touch_words(resources, {"tac": plain})
+    words = touch_words(resources, {"tac": lit, **named["lit"]})
+    assert f"lamps from {len(files) - 1} touches of your profile" in words
+    assert touch_words(resources, {"tac": "row:1", **named["lit"]}) == ""

@@ -69,10 +69,12 @@ const PARTS = {
   ".many": manyHtml,
   ".predicted": verdictHtml,
   ".bars": ({ answer, frame }) => (answer && !frame ? classTable(answer) : null),
-  ".reader": ({ answer, facts, taught, source, ...tab }) =>
-    answer && facts.left_out && isOwn(tab) && !taught
-      ? readerHtml(facts, Boolean(readerOf({ vis: tab.vis, tac: tab.tac })), source)
-      : null,
+  ".reader": ({ answer, facts, taught, source, ...tab }) => {
+    const which = facts.left_out && isOwn(tab) && !taught;
+    if (!answer || !(which || answer.touch)) return null;
+    return html`${which && readerHtml(facts, Boolean(readerOf({ vis: tab.vis, tac: tab.tac })), source)}
+      ${answer.touch && hint(`Touch is read ${answer.touch}.`)}`;
+  },
   ".familiar": ({ answer, familiar, set, question, ...pair }) => {
     if (!answer) return null;
     if (!familiar) return undefined;
@@ -121,8 +123,8 @@ class PairView extends View {
   send = (name, detail) => {
     const { tab, next, halt } = after(this.tab, name, detail);
     this.tab = tab;
-    const { vis, tac, head, profile, mend } = tab;
-    Object.assign(visit, { head, profile, mend });
+    const { vis, tac, head, profile, mend, lit } = tab;
+    Object.assign(visit, { head, profile, mend, lit: lit ? profile : "" });
     for (const work of halt) this.running[work]?.abort();
     change({ vis, tac, p: state.p ?? tab.answer?.learned ?? null });
     this.draw();

@@ -46,6 +46,7 @@ export const START = {
   recording: null,
   line: "Use cameras or video files. No picture is kept unless you record.",
   profile: "",
+  lit: false,
   counts: null,
   doubt: null,
   mend: "",
@@ -294,7 +295,7 @@ const EVENTS = {
     const words = new Set(tab.mend.split(" ").filter(Boolean));
     if (!words.delete(word) && word) words.add(word);
     const mend = word ? [...words].join(" ") : "";
-    return again(tab, { mend, profile: "", counts: null, before: null }, { keepProfile: {} });
+    return again(tab, { mend, profile: "", lit: false, counts: null, before: null }, { keepProfile: {} });
   },
   sampled: ({ doubt, folders }, { files = doubt?.files ?? folders.now, kind }) => ({
     doubt: null,
@@ -305,8 +306,8 @@ const EVENTS = {
     doing: { ...doing, sample: undefined },
     halt: ["sample"],
   }),
-  profiled: (tab, { profile, counts, mend = tab.mend, note = "" }) => {
-    const change = { profile, counts, mend, doubt: null, before: null, notes: { ...tab.notes, sensor: note } };
+  profiled: (tab, { profile, counts, mend = tab.mend, lit = false, note = "" }) => {
+    const change = { profile, lit, counts, mend, doubt: null, before: null, notes: { ...tab.notes, sensor: note } };
     return again(tab, change, { keepProfile: {} });
   },
   profileDropped: (tab) => ({ ...EVENTS.profiled(tab, { profile: "", counts: {} }), counts: null }),

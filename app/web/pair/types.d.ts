@@ -120,6 +120,7 @@ interface PairTab {
 
   head: string; // what reads own pictures; "": the head of the chapters
   profile: string;
+  lit: boolean; // whether touches are read by its lamps
   counts: Profile["counts"] | null; // pictures in the profile
   mend: string; // how own touches are mended before they are read, in words of MENDS
   folders: Record<"now" | "before", Chosen[]>; // of the sensor's card

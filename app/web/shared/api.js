@@ -161,12 +161,13 @@ const LAST = 4;
 /** What the server read in a picture, in its place from then on, by `keyOf`. @type {Map<string, string>} */
 const read = new Map(keptJson(READ, [], true));
 const GONE = "This browser no longer has this picture. Choose its file again.";
-/** A touch is read as it is mended. @param {Ref} ref @param {string} mend */
-const keyOf = (ref, mend) => `${ref} ${mend}`;
+/** A touch is read as it is mended, and by the lamps of a profile. @param {Ref} ref @param {string} mend
+ * @param {string} lit */
+const keyOf = (ref, mend, lit) => `${ref} ${mend} ${lit}`;
 /** True of a visitor's own picture. @param {unknown} ref @returns {ref is Ref} */
 export const isOwnPicture = (ref) => typeof ref === "string" && ref.startsWith("image:");
 /** The bytes that the next request sends of an image. @param {Ref | null | undefined} ref */
-export const unread = (ref) => (ref && !read.has(keyOf(ref, visit.mend)) && files.get(ref)?.[0].size) || 0;
+export const unread = (ref) => (ref && !read.has(keyOf(ref, visit.mend, visit.lit)) && files.get(ref)?.[0].size) || 0;
 
 /** Take a picture of the visitor's; the next request about it sends it. @param {Blob} content @param {string} name */
 export async function hold(content, name) {
@@ -181,11 +182,12 @@ export const isForgotten = (error) => error instanceof Refusal && error.status =
 const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
- * `head` reads the visitor's own pictures, "" is the first one; `mend` is how their touches are mended first.
+ * `head` reads the visitor's own pictures, "" is the first one; `mend` is how their touches are mended first;
+ * `lit` is the profile if they are read by its lamps.
  * `seen` gets the sizes of pictures that were read, and small copies.
- * @type {{profile: string, head: string, mend: string, renew: () => Promise<boolean>,
+ * @type {{profile: string, head: string, mend: string, lit: string, renew: () => Promise<boolean>,
  *   seen: (pictures: Record<Ref, {width: number, height: number, preview: string}>) => void}} */
-export const visit = { profile: "", head: "", mend: "", renew: async () => false, seen: () => {} };
+export const visit = { profile: "", head: "", mend: "", lit: "", renew: async () => false, seen: () => {} };
 // by that head
 const BY_HEAD = new Set(
   ["pair", "many", "attention", "occlusion", "familiar", "teach", "curve", "taught"].concat("save/head"),
@@ -216,8 +218,9 @@ function packed(question, attached) {
   /** @type {Ref[]} */
   const fresh = [];
   const mend = /** @type {string} */ (question.mend ?? "");
+  const lit = question.profile === visit.lit ? visit.lit : "";
   const sent = withImages(question, (ref) => {
-    const known = isOwnPicture(ref) ? read.get(keyOf(ref, mend)) : ref;
+    const known = isOwnPicture(ref) ? read.get(keyOf(ref, mend, lit)) : ref;
     if (known) return known;
     if (!files.has(ref)) throw new Refusal(GONE);
     if (!fresh.includes(ref)) fresh.push(ref);
@@ -230,6 +233,7 @@ function packed(question, attached) {
     blobs,
     fresh,
     mend,
+    lit,
   };
 }
 
@@ -244,7 +248,7 @@ function withFiles(path, question, files, signal) {
 /** Send a question, and the pictures that come with it; what was read in those is kept.
  * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
 async function posted(path, question, signal, attached = []) {
-  const { sent, blobs, fresh, mend } = packed(whole(path, question), attached);
+  const { sent, blobs, fresh, mend, lit } = packed(whole(path, question), attached);
   const response = await withFiles(path, sent, blobs, signal);
   if (!blobs.length) return response;
   const { pictures, problem, ...reply } = await response.json();
@@ -254,7 +258,7 @@ async function posted(path, question, signal, attached = []) {
     const found = pictures[attached.length + at];
     if (found?.problem) broken.push(found.problem);
     if (!found?.ref) continue;
-    read.set(keyOf(ref, mend), found.ref);
+    read.set(keyOf(ref, mend, lit), found.ref);
     const { width, height, preview } = found;
     visit.seen({ [ref]: { width, height, preview } });
   }

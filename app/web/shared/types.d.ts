@@ -291,6 +291,7 @@ interface Predicted {
   learned: number;
   span: [number, number];
   linear: boolean;
+  touch?: string; // how an own touch is read; "" in colours
   stops: Record<Reading, number[][]>;
   exact: { order: number; readings: Probabilities };
   spectra: Record<Modality, Spectrum>;
@@ -326,6 +327,7 @@ interface SensorCard {
 interface Profile {
   profile: string;
   mend?: string;
+  lit?: boolean; // its lamps read touches
   counts: Partial<Record<Modality, number>>;
   broken?: string[]; // why pictures were left out
 }
