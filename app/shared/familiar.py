@@ -136,7 +136,6 @@ def _nearest(
     import torch
 
     from omnivat.data.arrays import copied
-    from omnivat.maps.projection.neighbours import nearest
     from omnivat.measure.gaps.unit import unit
 
     def training() -> "Index":
@@ -144,11 +143,11 @@ def _nearest(
         return unit(rows).half().numpy()  # the cosines that are sent have four digits
 
     rows = resources.features.once(f"training {name} {len(index)} {index[:1]}", training)
-    query = unit(raw.float())
-    found = nearest(torch.from_numpy(rows).float(), min(NEAREST + 1, len(rows)), queries=query)
+    cosines = torch.from_numpy(rows).float() @ unit(raw.float())[0]
+    found = cosines.topk(min(NEAREST + 1, len(rows)))
     near = [
-        {"pair": int(index[i]), "cosine": round(1 - float(d) ** 2 / 2, 4)}
-        for i, d in zip(found.index[0].tolist(), found.distance[0].tolist(), strict=True)
+        {"pair": int(index[i]), "cosine": round(cosine, 4)}
+        for cosine, i in zip(*(part.tolist() for part in found), strict=True)
         if int(index[i]) != own_row
     ]
     return near[:NEAREST]

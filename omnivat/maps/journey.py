@@ -132,10 +132,10 @@ def journey(
         bar = torch.stack(list(out.f_bar.values())).mean(0)
         nodes = bar[:, None, :][:, :0] if out.nodes is None else out.nodes
         rows = [*out.f_hat.values(), *(bar[:, None] + nodes).unbind(1)]
-        queries, points = unit(torch.cat(rows)).double(), stop.points.double()
+        queries = unit(torch.cat(rows))
         flat.append(
             {
-                name: placed_by(stop.affine[name], queries, points, drawn).unflatten(
+                name: placed_by(stop.affine[name], queries, stop.points, drawn).unflatten(
                     0, (-1, len(kept))
                 )
                 for name, drawn in stop.flat.items()

@@ -87,10 +87,10 @@ def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
 
 
 def placed_by(known: Tensor | None, queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
-    """Return `placed` for what `affine` gives of the points and the map, in double precision."""
+    """Return `placed` for what `affine` gives of the points and the map."""
     if known is None:
         return place(queries, points, flat)
-    return queries @ known[:-1] + known[-1]
+    return queries.double() @ known[:-1] + known[-1]
 
 
 def affine(points: Tensor, flat: Tensor) -> Tensor | None:
