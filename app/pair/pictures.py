@@ -64,9 +64,9 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
     def embedded(value: Any) -> Any:
         """Return an image of the question, one that came as a file by its embeddings."""
         number = value.removeprefix("file:") if isinstance(value, str) else ""
-        if number == value or not number.isdecimal() or int(number[:4]) >= len(files):
+        at = int(number) if number.isdecimal() and len(number) < 4 else len(files)
+        if number == value or at >= len(files):
             return value
-        at = int(number)
         if (found := read[at]) is None:
             name = names[at] if isinstance(names, list) and at < len(names) else ""
             checkpoint()

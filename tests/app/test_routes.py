@@ -92,6 +92,8 @@ def test_sizes_that_are_not_those_of_the_body_are_refused(client, sizes):
 def test_a_question_cannot_name_files_that_did_not_come_with_it(client):
     for question in ({"vis": "file:0"}, {"vis": "file:0", "files": ["x"]}, {"vis": "unread:x"}):
         assert client.post("/omnivat/pair", json=question).status_code == 400
+    for name in ("file:1", "file:00001", "file:-1", "file:", "file:1e9"):
+        assert posted(client, "pair", {"vis": name}, b"GIF?").status_code == 400
 
 
 def test_a_bad_image_is_refused_by_its_name_and_one_over_the_limit_by_its_size(client):

@@ -189,9 +189,7 @@ const isCancelled = (error) => error instanceof Error && error.name === "AbortEr
  *   seen: (pictures: Record<Ref, {width: number, height: number, preview: string}>) => void}} */
 export const visit = { profile: "", head: "", mend: "", lit: "", renew: async () => false, seen: () => {} };
 // by that head
-const BY_HEAD = new Set(
-  ["pair", "many", "attention", "occlusion", "familiar", "teach", "curve", "taught"].concat("save/head"),
-);
+const BY_HEAD = new Set("pair many attention occlusion familiar teach curve taught save/head".split(" "));
 
 /** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
 const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
@@ -254,14 +252,16 @@ async function posted(path, question, signal, attached = []) {
   const { pictures, problem, ...reply } = await response.json();
   /** @type {string[]} */
   const broken = [];
+  /** @type {Parameters<typeof visit.seen>[0]} */
+  const seen = {};
   for (const [at, ref] of fresh.entries()) {
     const found = pictures[attached.length + at];
     if (found?.problem) broken.push(found.problem);
     if (!found?.ref) continue;
     read.set(keyOf(ref, mend, lit), found.ref);
-    const { width, height, preview } = found;
-    visit.seen({ [ref]: { width, height, preview } });
+    seen[ref] = found;
   }
+  visit.seen(seen);
   keep(READ, JSON.stringify([...read].slice(-LAST)), true);
   if (problem) throw new Refusal(problem);
   return Response.json({ ...reply, ...(broken.length && { broken }) });
