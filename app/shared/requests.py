@@ -23,6 +23,7 @@ from app.shared.jobs import Jobs
 from app.shared.limits import (
     BODY_S,
     IDLE_S,
+    MAX_IMAGE_BYTES,
     MAX_PICTURES_BYTES,
     MAX_QUESTION_BYTES,
     PICTURES,
@@ -107,6 +108,8 @@ async def asked(request: Request, scratch: Scratch) -> AsyncIterator[Callable[[]
         def read() -> Question:
             content = file.read_bytes()
             text, *files = split(content, sizes, 1 + PICTURES) if sizes else [content]
+            if len(max([b"", *files], key=len)) > MAX_IMAGE_BYTES:
+                raise TooLargeError("A picture is larger than 20 MB; scale it down and try again.")
             return {**question_from(text), FILES: files} if files else question_from(text)
 
         yield read

@@ -89,6 +89,11 @@ def test_sizes_that_are_not_those_of_the_body_are_refused(client, sizes):
     assert "sizes is" in sentence(client.post(f"/omnivat/pair?sizes={sizes}", content=b"{}1"))
 
 
+def test_one_picture_over_the_limit_and_all_over_theirs_are_refused(client):
+    for files in ([bytes(MAX_IMAGE_BYTES + 1)], [bytes(MAX_IMAGE_BYTES)] * 3):
+        assert "is larger than" in sentence(posted(client, "many", {"pairs": []}, *files), 413)
+
+
 def test_a_question_cannot_name_files_that_did_not_come_with_it(client):
     for question in ({"vis": "file:0"}, {"vis": "file:0", "files": ["x"]}, {"vis": "unread:x"}):
         assert client.post("/omnivat/pair", json=question).status_code == 400
