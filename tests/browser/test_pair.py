@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from io import BytesIO
 from shutil import copyfile
 from urllib.parse import parse_qs, urlsplit
@@ -11,9 +12,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from omnivat import lamps, load_head, save_profile
 from omnivat.cli import main
 from omnivat.data.readers import read_pairs
-from omnivat.head.heads import EXAMPLES
+from omnivat.head.heads import EXAMPLES, default_head
 
 from .fake_sensor import CAMERAS
 from .gestures import ANSWERED, SLOT, holds, send, settle, texture
@@ -572,7 +574,9 @@ def test_a_photo_is_shown_whole(open_page):
     assert fits == ["contain", "contain"]
 
 
-def test_the_relief_of_a_touch_turns_by_keys_and_is_saved_and_own_touches_give_its_lamps(open_page):
+def test_the_relief_of_a_touch_turns_and_is_saved_and_own_touches_or_a_profile_give_its_lamps(
+    open_page, tmp_path
+):
     page = open_page("?view=pair", ANSWERED)
     page.locator(".pair .gallery button").first.click()
     page.wait_for_selector(f"{SLOT.format('tac')} .picture img[src*=example]")
@@ -591,3 +595,14 @@ def test_the_relief_of_a_touch_turns_by_keys_and_is_saved_and_own_touches_give_i
             assert file.read(len(first)) == first
     send(page, "tac", 1)
     page.wait_for_selector(".pair .relief .hint:has-text('4 more pictures of your sensor')")
+    files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))[:5]
+    lit = lamps(np.asarray(Image.open(file).convert("RGB")) for file in files)
+    mine = replace(load_head(default_head()).source_profile, lamps=lit)
+    save_profile(tmp_path / "mine.safetensors", mine)
+    page.click(".pair .sensor summary")
+    page.set_input_files(
+        ".pair .sensor label:has-text('Load profile') input", tmp_path / "mine.safetensors"
+    )
+    known = "lamps in the profile of your sensor, which 5 touches gave"
+    page.wait_for_selector(f".pair .relief .hint:has-text('{known}')")
+    page.wait_for_selector(".pair .relief .js-plotly-plot")
