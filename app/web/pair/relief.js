@@ -3,7 +3,7 @@
 
 import { address, attempt, bytesOf, made, once, Refusal } from "../shared/api.js";
 import { held } from "../shared/held.js";
-import { isDark } from "../shared/palette.js";
+import { isDark, onTheme } from "../shared/palette.js";
 import { save } from "../shared/save.js";
 import { bytesOf as decoded } from "../shared/text.js";
 import { View } from "../shared/view.js";
@@ -53,6 +53,7 @@ export class Relief extends View {
     this.shown = "";
     root.hidden = Boolean(held); // the lamps are computed by the server
     root.addEventListener("toggle", () => this.show());
+    onTheme(() => this.show());
     this.$(".surface").onkeydown = (/** @type {KeyboardEvent} */ event) => this.turn(event);
     this.$(".row").onclick = (/** @type {Found} */ { target }) => {
       const { as } = target.dataset;

@@ -73,6 +73,7 @@ def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_commands_and_on
     from app.pair.sensor import load_sensor
     from app.pair.tab import predicted
     from app.shared.places import Places
+    from app.shared.requests import FILES
     from app.shared.resources import Resources
 
     def embedded(touch):
@@ -116,7 +117,7 @@ def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_commands_and_on
     page = Resources(Places(**sources, frames=None, pairs=None))
     photo, touch = (file.read_bytes() for file in pair)
     plain = json.loads(run(*base, "--json").out)["probabilities"]
-    shown = live(page, photo + touch, {"modality": "both", "split": len(photo)})
+    shown = live(page, {"modality": "both", FILES: [photo, touch]})
     assert shown["classes"] == [*plain]
     assert shown["readings"]["fused"] == pytest.approx([*plain.values()], abs=1e-4)
     vis, tac = (taken(page, one, {})["ref"] for one in (photo, touch))
