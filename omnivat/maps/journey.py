@@ -16,7 +16,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STAGES
 from omnivat.maps.frames import FrameSet
 from omnivat.maps.frames.builder import UMAP_STOPS, spread, stacked
-from omnivat.maps.projection.neighbours import affine, placed_by
+from omnivat.maps.projection.neighbours import Searched, affine, placed_by, searched
 from omnivat.maps.sweep import walk
 from omnivat.measure.gaps.unit import unit
 
@@ -30,7 +30,7 @@ class MapStop:
 
     stop: int  # index into the orders of the frames
     order: float
-    points: Float[Tensor, "R D"]  # unit rows of F-hat: N of VIS, then N of TAC
+    points: Searched  # unit rows of F-hat (R, D): N of VIS, then N of TAC
     flat: dict[str, Float[Tensor, "R 2"]]  # the map by method
     affine: dict[str, Float[Tensor, "D1 2"] | None]  # by method: the map, if it is linear
 
@@ -75,7 +75,7 @@ def map_stops(
     >>> from omnivat import EXAMPLES, default_embeddings, load_embeddings, load_head, read_frames
     >>> head, pairs = load_head(EXAMPLES / "head"), load_embeddings(default_embeddings())
     >>> stops = map_stops(head, pairs, read_frames(EXAMPLES / "frames.bin"), most=2)
-    >>> [len(one.points) for one in stops]
+    >>> [len(one.points.rows) for one in stops]
     [4320, 4320]
     """
     head.require_embeddings(embeddings)
@@ -97,7 +97,9 @@ def map_stops(
         for name, drawn in maps.items():
             flat[name] = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
             known[name] = affine(points.double(), flat[name]) if name in LINEAR else None
-        yield MapStop(stop=stop, order=found.order, points=points, flat=flat, affine=known)
+        yield MapStop(
+            stop=stop, order=found.order, points=searched(points), flat=flat, affine=known
+        )
 
 
 @torch.no_grad()
@@ -123,31 +125,41 @@ def journey(
     >>> found.orders, tuple(found.places["umap"]["vis"].shape), tuple(found.nodes["pca"].shape)
     ((0.0, 0.5, 1.0), (3, 1, 2), (3, 1, 7, 2))
     """
-    kept, model = head.model.coefficients(vis, tac), head.model
+    model = head.model
+    kept = model.coefficients(vis, tac)
+    pairs, images = torch.arange(len(kept)), kept.names
     through: list[MapStop] = []
-    outputs = []
+    outputs, trees = [], []
     flat: list[dict[str, Tensor]] = []  # (modalities and nodes, B, 2) by method
-    for stop in stops:
-        out = model.from_coefficients(kept, stop.order, nodes=True)
+    # kept stops are one batch; others come and go one by one, as each may hold a large set
+    for some in [stops] if isinstance(stops, Sequence) and stops else ([stop] for stop in stops):
+        orders = torch.tensor([stop.order for stop in some], dtype=torch.float64)
+        orders = orders.repeat_interleave(len(pairs))
+        out = model.from_coefficients(kept[pairs.repeat(len(some))], orders, nodes=True)
         bar = torch.stack(list(out.f_bar.values())).mean(0)
         nodes = bar[:, None, :][:, :0] if out.nodes is None else out.nodes
-        rows = [*out.f_hat.values(), *(bar[:, None] + nodes).unbind(1)]
-        queries = unit(torch.cat(rows))
-        flat.append(
-            {
-                name: placed_by(stop.affine[name], queries, stop.points, drawn).unflatten(
-                    0, (-1, len(kept))
-                )
-                for name, drawn in stop.flat.items()
-            }
-        )
-        through.append(stop)
-        outputs.append((out, nodes))
+        rows = torch.stack([*out.f_hat.values(), *(bar[:, None] + nodes).unbind(1)])
+        for stop, queries in zip(some, unit(rows).split(len(pairs), dim=1), strict=True):
+            flat.append(
+                {
+                    name: placed_by(
+                        stop.affine[name], queries.flatten(0, 1), stop.points, drawn
+                    ).unflatten(0, (-1, len(pairs)))
+                    for name, drawn in stop.flat.items()
+                }
+            )
+        through.extend(some)
+        outputs.append(out)
+        trees.append(nodes)
     if not flat:
         raise DataError("A journey needs one stop or more; give those of map_stops.")
-    images = kept.names
     whole = {name: torch.stack([each[name] for each in flat]) for name in flat[0]}
-    nodes = torch.stack([nodes for _, nodes in outputs])
+
+    def at_stops(rows: Iterable[Tensor]) -> Tensor:
+        every: Tensor = torch.cat(list(rows)).unflatten(0, (len(through), len(pairs)))
+        return every
+
+    nodes = at_stops(trees)
     return Journey(
         stops=tuple(stop.stop for stop in through),
         orders=tuple(stop.order for stop in through),
@@ -158,8 +170,7 @@ def journey(
         nodes={method: rows[:, len(images) :].transpose(1, 2) for method, rows in whole.items()},
         exact={name: stop.affine[name] is not None for name in whole},
         readings={
-            name: torch.stack([out.reading(name) for out, _ in outputs])
-            for name in outputs[0][0].readings
+            name: at_stops(out.reading(name) for out in outputs) for name in outputs[0].readings
         },
         node_probabilities=model.classify(nodes).softmax(-1),
         node_lengths=nodes.norm(dim=-1),

@@ -22,10 +22,28 @@ class Neighbours:
     distance: Tensor
 
 
-def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbours:
+class Searched(NamedTuple):
+    """Rows about their middle, to be searched again and again."""
+
+    rows: Tensor  # (N, D); distances do not depend on the origin
+    middle: Tensor  # (D,); a near one keeps the squares small and exact
+    squares: Tensor  # (N,)
+
+
+def searched(points: Tensor) -> Searched:
+    """Return rows (N, D) for many calls of `nearest` or `place`. Raises DataError for values that
+    are not finite or above SUMMED.
+    """
+    (points,) = features(0, most=SUMMED, points=points)
+    middle = points.mean(0)
+    rows = points - middle
+    return Searched(rows, middle, rows.square().sum(1))
+
+
+def nearest(points: Tensor | Searched, k: int, *, queries: Tensor | None = None) -> Neighbours:
     """Find the k nearest rows of `points` for each query, by Euclidean distance.
 
-    points   (N, D)
+    points   (N, D), or `searched` of them
     queries  (M, D); by default the points themselves, where a point is not its own neighbour
     return   (M, k) each; the order of rows at equal distances is not defined
 
@@ -34,26 +52,28 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     finite or above SUMMED.
     """
     own = queries is None
-    queries = points if queries is None else queries
-    points, queries = features(0, most=SUMMED, points=points, queries=queries)
-    others = points.shape[0] - own
+    if queries is not None and not isinstance(points, Searched):
+        points, queries = features(0, most=SUMMED, points=points, queries=queries)  # of one type
+    among = points if isinstance(points, Searched) else searched(points)
+    around = among.rows
+    if queries is not None:
+        (queries,) = features(0, most=SUMMED, queries=queries)
+        require_shapes(points=(among.rows, "N D"), queries=(queries, "Q D"))
+        around = queries.to(around.dtype) - among.middle
+    others = len(among.rows) - own
     if not 1 <= k <= others:
         raise SettingsError(f"{k} neighbours were requested among {others}; choose 1 to {others}.")
-    # distances do not depend on the origin; a near one keeps the squares small and exact
-    middle = points.mean(0)
-    points, queries = points - middle, queries - middle
-    squares = points.square().sum(1)
     found = []
-    for start in range(0, len(queries) or 1, BLOCK):
+    for start in range(0, len(around) or 1, BLOCK):
         checkpoint()
-        rows = queries[start : start + BLOCK]
-        nearness = torch.addmm(squares, rows, points.T, alpha=-2)
+        rows = around[start : start + BLOCK]
+        nearness = torch.addmm(among.squares, rows, among.rows.T, alpha=-2)
         if own:
             place = torch.arange(len(rows), device=rows.device)
             nearness[place, place + start] = torch.inf
         index = nearness.topk(k, largest=False).indices
         # from differences, which is exact for near-duplicates
-        distance, order = (points[index] - rows[:, None]).norm(dim=2).sort(dim=1)
+        distance, order = (among.rows[index] - rows[:, None]).norm(dim=2).sort(dim=1)
         found.append((index.gather(1, order), distance))
     return Neighbours(*(torch.cat(parts) for parts in zip(*found, strict=True)))
 
@@ -86,7 +106,9 @@ def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
     return Placed(placed_by(known, queries, points, flat), exact=known is not None)
 
 
-def placed_by(known: Tensor | None, queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
+def placed_by(
+    known: Tensor | None, queries: Tensor, points: Tensor | Searched, flat: Tensor
+) -> Tensor:
     """Return `placed` for what `affine` gives of the points and the map."""
     if known is None:
         return place(queries, points, flat)
@@ -107,11 +129,11 @@ def affine(points: Tensor, flat: Tensor) -> Tensor | None:
     return found if bool(off <= EXACT * radius) else None
 
 
-def place(queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
+def place(queries: Tensor, points: Tensor | Searched, flat: Tensor) -> Tensor:
     """Return the places of new rows between their neighbours on an existing map.
 
     queries  (Q, D) new features
-    points   (N, D) the features of the map, at the same order
+    points   (N, D) the features of the map, at the same order, or `searched` of them
     flat     (N, 2) the map; a NaN row makes places next to it NaN
     return   (Q, 2) mean of the neighbours' places, weighted by exp(-(d - nearest) / mean excess);
              of PLACED_BY neighbours, or of all rows of a small set
@@ -119,18 +141,19 @@ def place(queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
     A row of the map gets its own place. The map does not change. For a linear map (PCA), `placed`
     and `pca.Basis.place` are exact.
     """
-    require_shapes(points=(points, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
-    index, share = neighbour_shares(queries, points)
+    among = points if isinstance(points, Searched) else searched(points)
+    require_shapes(points=(among.rows, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
+    index, share = neighbour_shares(queries, among)
     return (flat[index] * share[..., None]).sum(1)
 
 
-def neighbour_shares(queries: Tensor, points: Tensor) -> tuple[Tensor, Tensor]:
+def neighbour_shares(queries: Tensor, among: Searched) -> tuple[Tensor, Tensor]:
     """Return the neighbours of each row (Q, k) and their shares in its place."""
-    found = nearest(points, min(PLACED_BY, points.shape[0]), queries=queries)
+    found = nearest(among, min(PLACED_BY, len(among.rows)), queries=queries)
     beyond = found.distance - found.distance[:, :1]
-    tiny = torch.finfo(points.dtype).tiny
+    tiny = torch.finfo(beyond.dtype).tiny
     weight = (-beyond / beyond.mean(1, keepdim=True).clamp_min(tiny)).exp()
-    scale = SAME * (points - points.mean(0)).norm(dim=1).mean()
+    scale = SAME * among.squares.sqrt().mean()
     there = found.distance <= scale
     weight = torch.where(there.any(1, keepdim=True), there.to(weight.dtype), weight)
     return found.index, weight / weight.sum(1, keepdim=True)
