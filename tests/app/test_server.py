@@ -21,48 +21,8 @@ def interpreter(code, *arguments):
     )
 
 
-FIRST_PAGE = """
-import os, sys, urllib.request
-os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-from app.shared.places import places
-from app.serving.preflight import parser
-from app.shared.resources import Resources
-from app.serving.server import build, launch
-from app.shared.visitor_sets import VisitorSets
-sets = VisitorSets(Resources(places()))
-page = build(sets)
-chosen = parser().parse_args(["--no-browser"])
-_, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
-for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
-    path = path and f"omnivat/{path}"
-    with urllib.request.urlopen(address + path) as answer:
-        assert answer.status == 200 and answer.read()
-heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
-print("LOADED", *sorted((heavy | {"mcp"}) & set(sys.modules)))
-page.close()
-
-from omnivat.head.checkpoint import load_head
-from omnivat.head.heads import default_head
-load_head(default_head())
-print("LOADED", *sorted({"torch", "sympy"} & set(sys.modules)))
-
-import mcp, pandas
-from gradio import caching, component_meta
-assert caching.pd.DataFrame is pandas.DataFrame
-assert component_meta.create_or_modify_pyi.__name__ == "<lambda>"
-"""
-
-
-@pytest.mark.slow
-def test_the_first_page_loads_no_heavy_package_a_head_no_algebra_and_gradio_finds_its_tables():
-    done = interpreter(FIRST_PAGE)
-    assert done.returncode == 0, done.stderr
-    loaded = [one for one in done.stdout.splitlines() if one.startswith("LOADED")]
-    assert loaded == ["LOADED", "LOADED torch"]
-
-
-EVENTS = """
-import json, os, sys
+RUNNING = """
+import json, os, sys, urllib.request
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
@@ -77,6 +37,13 @@ sets = VisitorSets(Resources(places()))
 page = build(sets)
 chosen = parser().parse_args(["--no-browser"])
 _, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
+for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
+    path = path and f"omnivat/{path}"
+    with urllib.request.urlopen(address + path) as answer:
+        assert answer.status == 200 and answer.read()
+heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
+print("LOADED", *sorted((heavy | {"mcp"}) & set(sys.modules)))
+
 client = HTTPConnection(urlsplit(address).netloc)
 
 def sent(content):
@@ -97,13 +64,25 @@ refused = [told["error"] for status, told in replies if status != 200]
 assert all(one.endswith(".") and "reload" in one for one in refused), refused
 print("REFUSED", len(refused) > LINES)
 page.close()
+
+from omnivat.head.checkpoint import load_head
+from omnivat.head.heads import default_head
+load_head(default_head())
+print("LOADED", *sorted({"torch", "sympy"} & set(sys.modules)))
+
+import mcp, pandas
+from gradio import caching, component_meta
+assert caching.pd.DataFrame is pandas.DataFrame
+assert component_meta.create_or_modify_pyi.__name__ == "<lambda>"
 """
 
 
 @pytest.mark.slow
-def test_an_event_that_gradio_cannot_read_is_refused_in_a_sentence_and_fills_no_log():
-    done = interpreter(EVENTS)
-    assert "REFUSED True" in done.stdout, done.stderr[-3000:]
+def test_a_page_loads_nothing_heavy_and_refuses_events_that_gradio_cannot_read_in_a_sentence():
+    done = interpreter(RUNNING)
+    assert done.returncode == 0, done.stderr[-3000:]
+    said = [one for one in done.stdout.splitlines() if one.startswith(("LOADED", "REFUSED"))]
+    assert said == ["LOADED", "REFUSED True", "LOADED torch"]  # a head loads no algebra
     assert 0 < done.stderr.count("Value: 'x'") <= 2 * LINES  # two minutes at most
 
 
@@ -116,6 +95,7 @@ class Finder:  # sends the signal while the page loads
             os.kill(os.getpid(), signal.SIGINT)
 
 sys.meta_path.insert(0, Finder())
+signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it is ignored
 runpy.run_path("app.py", run_name="__main__")
 """
 

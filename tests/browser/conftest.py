@@ -13,6 +13,7 @@ from urllib.request import urlopen
 import pytest
 
 from .fake_sensor import FakeSensor
+from .gestures import go
 
 ROOT = Path(__file__).resolve().parents[2]
 # the shell is Chromium without its own window, and takes 40 % less of the processor
@@ -241,6 +242,32 @@ def new_page(chromium, desktop, address):
     for page in pages:
         page.close()
     assert problems == []
+
+
+@pytest.fixture(scope="module")
+def visited(desktop, address):
+    """Return one page for the journeys of a file, which go from address to address in it."""
+    problems = []
+    page = watched(desktop.new_page(), address, problems)
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector(".ov.explore.ready")
+    yield page
+    page.close()
+    assert problems == []
+
+
+@pytest.fixture
+def visit(visited):
+    """Return a function that goes to an address in the page of the file, and waits for what it
+    shows.
+    """
+
+    def went(query, shows="body"):
+        go(visited, query)
+        visited.wait_for_selector(shows)
+        return visited
+
+    return went
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ ANSWERED = ".pair .results[aria-busy=false] .reading"
 MOVED = "?chapter=analyse&mode=moved"  # the workbench, frames of one head at every stop
 TOOLS = "?chapter=analyse"
 TOUCH, WHERE = "?chapter=touch", "?chapter=where"
+COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light and dark
 SLOT = '.pair .slot[data-modality="{}"]'
 READY = {  # what each tab shows once it is there
     "explore": ".ov.explore.ready",
@@ -21,6 +22,15 @@ READY = {  # what each tab shows once it is there
 def settle(page):
     """Wait until every reply of the server, and what follows from it, has come to the page."""
     page.wait_for_selector("body[data-ready]")
+
+
+def go(page, query):
+    """Go to another address of the page without loading it again, as the browser's Back does."""
+    page.evaluate(
+        "to => { history.pushState(null, '', to); dispatchEvent(new PopStateEvent('popstate')); }",
+        query,
+    )
+    settle(page)
 
 
 def train(page, epochs, *, lang=True):

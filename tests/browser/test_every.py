@@ -11,7 +11,7 @@ from omnivat.data.store import load_embeddings
 from omnivat.head.heads import default_embeddings
 from omnivat.maps.frames import read_frames
 
-from .gestures import MAP
+from .gestures import MAP, go
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 pytestmark = pytest.mark.browser
@@ -22,8 +22,9 @@ pytestmark = pytest.mark.browser
 )
 def test_one_head_for_every_order_is_a_mode_and_its_curves_follow_p(open_page, query, folder):
     frames = read_frames(folder / "every.bin")
+    page = open_page(f"?mode=every&map=pca&p=0.2{query}", ".explore[data-kind=every]")
     for order in (0.2, 0.8):
-        page = open_page(f"?mode=every&map=pca&p={order}{query}", ".explore[data-kind=every]")
+        go(page, f"?mode=every&map=pca&p={order}{query}")
         page.wait_for_selector(f'{MAP}[data-order="{order}"]')
         modes = page.locator(".explore .modes [data-key]")
         shown = modes.evaluate_all("all => all.map((one) => one.dataset.key)")

@@ -70,12 +70,10 @@ def test_limits_that_are_opened_before_gradio_comes_stay_open(chromium, address)
         page.close()
 
 
-def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(
-    open_page,
-):
+def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(visit):
     frames = read_frames(EXAMPLES / "retrained.bin")
     share = frames.curves["seeds:accuracy/unseen/mean"][frames.orders.index(0.5)]
-    page = open_page(f"{TOOLS}&p=0.5", MAP)
+    page = visit(f"{TOOLS}&p=0.5")
     assert "One head for each stop" in words(page, ".mode-words")
     assert "2 trainings for each stop" in words(page, ".mode-words")
     right = f"{100 * share:.0f} %"
@@ -93,9 +91,9 @@ def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_
     page.wait_for_function("location.search.includes('mode=moved')")
 
 
-def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page):
+def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(visit):
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
-    page = open_page(f"{MOVED}&map=pca&p=0.5", MAP)
+    page = visit(f"{MOVED}&map=pca&p=0.5")
     assert "changed to p = 0.50" in words(page, ".score")
     page.click(".explore .learned")
     page.wait_for_function(
@@ -105,9 +103,9 @@ def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(ope
     assert abs(float(page.get_attribute(MAP, "data-order")) - learned) < 1e-9
 
 
-def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page):
+def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(visit):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page(f"{MOVED}&p=0.3", MAP)
+    page = visit(f"{MOVED}&p=0.3")
     stop = frames.orders.index(0.3)
     for stage in ("raw", "frft", "relu", "f_bar", "f_hat"):
         for name in ("modality_gap", "domain_gap", "margin"):
@@ -120,9 +118,9 @@ def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page
     page.wait_for_function("!location.search.includes('stage=')")
 
 
-def test_strangers_have_a_bar_each_a_reading_its_map_and_a_cell_of_the_matrix_filters_it(open_page):
+def test_strangers_have_a_bar_each_a_reading_its_map_and_a_cell_of_the_matrix_filters_it(visit):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?chapter=fooled", ".explore .bar-row")
+    page = visit("?chapter=fooled", ".explore .bar-row")
     assert page.locator(".explore .bar-row .range").count() >= len(frames.domains)
     assert page.locator(".explore .bar-row.source").count() == 1
     figures, drawn = set(), []
@@ -144,8 +142,8 @@ def test_strangers_have_a_bar_each_a_reading_its_map_and_a_cell_of_the_matrix_fi
     page.wait_for_selector(".explore .pictures h4:has-text('look like another class')")
 
 
-def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_page):
-    page = open_page(f"{MOVED}&p=0.1", ".explore .toy .plane path")
+def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(visit):
+    page = visit(f"{MOVED}&p=0.1", ".explore .toy .plane path")
     before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
     page.focus(".explore .order")
     for _ in range(6):
@@ -155,9 +153,8 @@ def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_
     assert after[2] != before[2]
 
 
-def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_page):
-    page = open_page(MOVED, MAP)
-    page.wait_for_selector(".explore .histograms svg")
+def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(visit):
+    page = visit(MOVED, ".explore .histograms svg")
     page.focus(".explore .map canvas + canvas")
     page.keyboard.press("s")
     page.wait_for_selector(".explore .pictures .clear")
@@ -170,10 +167,10 @@ def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_pag
     assert words(page, '.menu [data-save="csv"]') == f"The {left} selected points as CSV"
 
 
-def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(open_page):
+def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(visit):
     frames = read_frames(EXAMPLES / "frames.bin")
     lone, others = frames.domains[1], [n for i, n in enumerate(frames.domains) if i != 1]
-    page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}", MAP)
+    page = visit(f"{MOVED}&p=0.3&domain={'~'.join(others)}")
     value = frames.curves[f"modality_gap/f_hat/{lone}"][frames.orders.index(0.3)]
     assert words(page, ".curves [data-name=modality_gap] output") == f"{value:.3f}"
     assert f"modality gap in {DOMAINS['OF Real'].title} {value:.2f}" in words(
@@ -184,8 +181,8 @@ def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(
     assert "Ignore distances and scale." in words(page, ".approximate")
 
 
-def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page):
-    page = open_page(MOVED, MAP)
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(visit):
+    page = visit(MOVED)
     x, _ = place_of_a_point(page)
     page.wait_for_selector(".explore .peek:visible")
     box = page.locator(".explore .peek").bounding_box()

@@ -87,9 +87,16 @@ INK = """() => {
 }"""
 
 
-def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
+GROUND = """() => document.querySelector('.explore .map canvas').getContext('2d')
+  .getImageData(3, 3, 1, 1).data.slice(0, 3).reduce((sum, part) => sum + part, 0)"""
+
+
+def test_a_dark_system_gets_a_dark_page_and_light_paper_with_the_points_of_the_map_as_shapes(
+    open_page,
+):
     page = open_page("?chapter=order", MAP, color_scheme="dark")
     page.wait_for_selector("body.dark")
+    assert page.evaluate(GROUND) < 150
     page.wait_for_function(f"() => ({INK})() > 0")
     before = page.evaluate(INK)
     on_paper = page.evaluate(  # at once: the next animation frame draws for the screen
@@ -99,20 +106,3 @@ def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
     assert not page.locator("body.dark").count()
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.wait_for_selector("body.dark")
-
-
-def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page):
-    page = open_page("?chapter=order", MAP, size=(1280, 720))
-    page.keyboard.press("f")
-    page.wait_for_selector("body.lecturing")
-    for there in (".map", ".over svg", ".order"):
-        assert page.locator(f".explore {there} >> visible=true").count()
-    assert not page.locator(".explore .panels >> visible=true").count()
-    assert (
-        page.locator(".explore .ride label").evaluate(
-            "one => parseFloat(getComputedStyle(one).fontSize)"
-        )
-        >= 24
-    )
-    page.keyboard.press("f")
-    page.wait_for_selector("body:not(.lecturing)")

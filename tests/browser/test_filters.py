@@ -22,9 +22,9 @@ def drag_over(page, name):
 
 
 def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_aside_elsewhere(
-    open_page,
+    visit,
 ):
-    page = open_page(TOOLS, ".explore .histograms svg")
+    page = visit(TOOLS, ".explore .histograms svg")
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     pixels(page)  # the last move of the mouse is drawn
@@ -46,8 +46,8 @@ def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_a
     assert page.inner_text(".explore .finder .found") == found
 
 
-def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page):
-    page = open_page("?chapter=fooled", MAP)
+def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(visit):
+    page = visit("?chapter=fooled", MAP)
     page.click(".explore .confusion .hit button:not([disabled])")
     page.wait_for_function("location.search.includes('cell=')")
     found = page.inner_text(".explore .pictures h4")

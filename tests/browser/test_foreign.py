@@ -7,10 +7,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from app.shared.components import VIEWS
-
 from .conftest import BROWSERS, FLAGS, Server
-from .gestures import READY, open_tab
 
 pytestmark = pytest.mark.browser
 
@@ -69,15 +66,6 @@ def named_browser(chromium):
     browser = kind.launch(executable_path=path, args=mapped)
     yield browser
     browser.close()
-
-
-def test_every_tab_works_under_the_pages_own_policy(open_page):
-    page = open_page("?vis=row:0&tac=row:0", READY["explore"])
-    for view in VIEWS:
-        open_tab(page, view)
-        page.wait_for_selector(READY[view])
-    page.wait_for_load_state("networkidle")
-    # `open_page` fails for an error on the console, as one of the policy would be
 
 
 def test_a_script_that_is_put_into_the_page_does_not_run(new_page, address, chromium):

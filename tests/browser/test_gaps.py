@@ -30,9 +30,9 @@ def frames():
 
 
 @pytest.fixture
-def gaps(open_page):
+def gaps(visit):
     """Return the chapter with its pair and tree."""
-    return open_page(GAPS, TREE)
+    return visit(GAPS, TREE)
 
 
 def marks(page):
@@ -46,8 +46,8 @@ def figures(page):
     return [float(page.inner_text(ROW.format(name))) for name in ("modality_gap", "domain_gap")]
 
 
-def test_one_click_and_one_drag_move_points_both_gaps_the_pair_and_seven_stars(open_page, frames):
-    page = open_page("", ".explore .twin .said")
+def test_one_click_and_one_drag_move_points_both_gaps_the_pair_and_seven_stars(visited, frames):
+    page = visited
     page.click(".explore .chapters [data-chapter=gaps]")
     page.wait_for_selector(TREE)
     before = pixels(page), marks(page), figures(page), page.inner_html(TREE)

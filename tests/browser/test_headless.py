@@ -7,7 +7,7 @@ import pytest
 from omnivat.data.store import save_embeddings
 
 from .conftest import Server, watched
-from .gestures import MAP, open_tab, train
+from .gestures import MAP, faults, open_tab, train
 
 pytestmark = pytest.mark.browser
 
@@ -85,38 +85,45 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(op
     page.close()
 
 
-def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(opened):
+def test_a_set_without_classes_and_with_one_domain_says_what_is_missing_and_trains_nothing(opened):
     page = opened(domains=("my-sensor",), classes=("unlabelled",))
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
     assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap"]
     assert page.locator(".explore .colouring option").all_inner_texts() == ["Modality"]
+    open_tab(page, "train")
+    page.wait_for_selector("#view-train .problem:has-text('No domain has pairs of two classes')")
+    assert "omnivat report" in page.inner_text("#view-train .headless pre")
+    assert not page.is_visible("#view-train .choices")
+    assert not page.is_visible("#view-train .task")
     page.close()
 
 
-def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(opened):
+def test_a_head_is_trained_on_one_domain_used_and_saved_and_a_wrong_setting_is_refused(opened):
     page = opened("?view=train", domains=("my-sensor",))
     page.wait_for_selector("#view-train .status:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text("#view-train .task")
-    train(page, 5)
+    train(page, 7.5, lang=False)
+    page.wait_for_selector("#view-train .problem:has-text('epochs is 7.5; give a whole number')")
+    page.fill("#train-epochs input", "5")
+    page.click("#view-train .go")
+    page.wait_for_selector("#view-train .status:has-text('Done: 5 epochs')")
     page.wait_for_selector("#train-map .js-plotly-plot")
+    page.wait_for_selector("#view-train .earlier td")
+    assert faults(page) == []
     titles = page.locator("#train-charts .annotation-text .line:first-child").all_text_contents()
     # no empty chart of accuracy away from home
     assert titles == ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]
     page.click("#view-train label:has-text('class')")
     page.wait_for_selector("#train-map .legendtext >> nth=4")  # the colours on the map
+    with page.expect_download() as saved:
+        page.click("#view-train .save")
+    assert saved.value.path().read_bytes()[:2] == b"PK"
+    page.reload()  # the run is still there
     page.click("#view-train .use")
     page.wait_for_selector(
         ".explore.ready .score:has-text('the set has no domain besides the training domain')"
     )
+    assert page.get_attribute(".explore .modes [data-key=moved]", "aria-checked") == "true"
     assert empty_panels(page) == []
-    page.close()
-
-
-def test_a_set_without_classes_says_what_to_do_instead_of_training(opened):
-    page = opened("?view=train", classes=("unlabelled",))
-    page.wait_for_selector("#view-train .problem:has-text('No domain has pairs of two classes')")
-    assert "omnivat report" in page.inner_text("#view-train .headless pre")
-    assert not page.is_visible("#view-train .choices")
-    assert not page.is_visible("#view-train .task")
     page.close()

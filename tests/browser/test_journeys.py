@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from .gestures import ANSWERED, MAP, TOOLS, pixels, place_of_a_point
+from .gestures import ANSWERED, TOOLS, pixels, place_of_a_point
 
 pytestmark = pytest.mark.browser
 
 
-def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
-    page = open_page("?mode=moved&stage=frft&p=0.2", MAP)
+def test_raw_stages_do_not_move_and_the_page_says_why(visit):
+    page = visit("?mode=moved&stage=frft&p=0.2")
     assert "unitary" in page.inner_text(".explore .explain")
     before = pixels(page)
     page.focus(".explore .order")
@@ -20,8 +20,8 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
     assert pixels(page) == before
 
 
-def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
-    page = open_page(TOOLS, MAP)
+def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(visit):
+    page = visit(TOOLS)
     at = place_of_a_point(page)
     page.mouse.click(*at)
     page.wait_for_selector(".explore .card .tag")
@@ -31,8 +31,8 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
     assert re.search(r"pair \d+", page.inner_text(".pair .slot .what"))
 
 
-def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
-    page = open_page(TOOLS, MAP)
+def test_a_lasso_selects_points_and_saves_them_as_csv(visit):
+    page = visit(TOOLS)
     page.click(".explore .tool.lasso")
     box = page.locator(".explore .map").bounding_box()
     page.mouse.move(box["x"] + 4, box["y"] + 4)
@@ -53,8 +53,8 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
     assert page.locator(".explore .pictures .clear").count() == 0
 
 
-def test_the_map_works_by_keyboard_alone(open_page):
-    page = open_page(TOOLS, MAP)
+def test_the_map_works_by_keyboard_alone(visit):
+    page = visit(TOOLS)
     page.focus(".explore .map canvas + canvas")
     before = pixels(page)
     counts = []
@@ -83,10 +83,8 @@ FIGURES = """() => [
   && !one.matches('.order-value')).map((one) => one.textContent)"""
 
 
-def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_titles_answer(
-    open_page,
-):
-    page = open_page("?stage=relu&colour=class", MAP)
+def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_titles_answer(visit):
+    page = visit("?stage=relu&colour=class")
     page.click(".tour-start")
     chapters = []
     for step in range(1, 8):

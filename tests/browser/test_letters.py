@@ -4,7 +4,7 @@ import pytest
 
 from app.shared.components import VIEWS
 
-from .gestures import READY, open_tab, settle
+from .gestures import READY, go, open_tab, settle
 
 pytestmark = pytest.mark.browser
 
@@ -21,28 +21,48 @@ CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, 
   .map((one) => one.textContent)"""
 
 
-@pytest.mark.parametrize("width", [400, pytest.param(1024, marks=pytest.mark.long)])
-def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page, width):
-    page = open_page(PAIR, size=(width, 800))
+WIDE = """wide => [...document.querySelectorAll('.ov *')].filter((e) => e.getClientRects().length
+  && e.getBoundingClientRect().right > wide + 1
+  && !e.closest('.gallery, .scroll, .chapters, pre, .sr, svg, .thumb'))
+  .map((e) => e.outerHTML.slice(0, 90))"""
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"size": (400, 800)},
+        pytest.param({"size": (720, 450), "device_scale_factor": 2}, marks=pytest.mark.long),
+        pytest.param({"size": (1024, 800)}, marks=pytest.mark.long),
+    ],
+    ids=["a phone", "200 % zoom", "a small window"],
+)
+def test_no_letter_is_too_small_no_title_is_cut_and_nothing_needs_scrolling_sideways(
+    open_page, options
+):
+    page = open_page(PAIR, READY["explore"], **options)
+    wide = options["size"][0]
+    assert page.evaluate(SMALL) == page.evaluate(CUT) == []
+    go(page, f"{PAIR}&pin=3")  # the workbench
     for view in VIEWS:
-        if view != "explore":
-            open_tab(page, view)
+        open_tab(page, view)
         page.wait_for_selector(READY[view])
-        assert page.evaluate(SMALL) == [], view
-        assert page.evaluate(CUT) == [], view
+        assert page.evaluate(SMALL) == page.evaluate(CUT) == [], view
+        assert page.evaluate(WIDE, wide) == [], view
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= wide, view
 
 
-@pytest.mark.parametrize("name", ["sensors", "chirps"])
-@pytest.mark.parametrize("width", [400, 1440])
-def test_no_part_of_explore_is_wider_than_the_window(open_page, name, width):
-    page = open_page(f"?set={name}&chapter=analyse", ".explore .score b", size=(width, 800))
-    assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
-    box = page.locator(".explore .score").bounding_box()
-    assert box["width"] > 200, "the score has room beside the map"
+def test_no_part_of_the_chirps_is_wider_than_the_window(open_page):
+    page = open_page("?set=chirps&chapter=analyse", ".explore .score b", size=(1440, 800))
+    for width in (1440, 400):
+        page.set_viewport_size({"width": width, "height": 800})
+        settle(page)
+        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+        box = page.locator(".explore .score").bounding_box()
+        assert box["width"] > 200, "the score has room beside the map"
 
 
-def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page):
-    page = open_page("?chapter=analyse", READY["explore"])
+def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(visit):
+    page = visit("?chapter=analyse")
     for measure, between in (
         ("modality_gap", "photo to touch"),
         ("domain_gap", "domain to domain"),

@@ -4,23 +4,11 @@ import re
 
 import pytest
 
-from .gestures import ANSWERED, READY, pixels, settle, texture
+from .gestures import ANSWERED, READY, go, pixels, settle, texture
 
 pytestmark = pytest.mark.browser
 SAID = ".explore .announcement"
 MARKS = ".explore .now .map canvas + canvas"
-
-
-@pytest.fixture(scope="module")
-def visit(chromium, address):
-    """Return one page for the tests below, which go on where the one before ended."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 720}, has_touch=True)
-    page = context.new_page()
-    page.goto(f"{address}?chapter=fooled", wait_until="commit")
-    page.wait_for_selector(READY["explore"])
-    settle(page)
-    yield page
-    context.close()
 
 
 def chapter(page, name):
@@ -40,59 +28,62 @@ def aloud(page, words):
 
 
 def test_without_a_connection_no_chapter_shows_figures_of_another_and_it_opens_when_it_is_back(
-    visit,
+    visited,
 ):
-    visit.context.set_offline(True)
-    visit.click('.explore .chapters [data-chapter="order"]')
-    visit.wait_for_selector(".top .lost:has-text('does not respond')")
-    assert not visit.locator(".explore .stage .title >> visible=true").count()
-    assert visit.text_content(SAID) == ""
-    visit.context.set_offline(False)
-    visit.wait_for_selector('.explore.ready[data-chapter="order"] .figure:has-text("32")')
-    settle(visit)
-    assert visit.is_hidden(".top .lost")
-    assert "for p = 0.80" in visit.inner_text(".explore .lead .provenance").replace("\xa0", " ")
+    go(visited, "?chapter=fooled")
+    visited.held = True  # without a connection it never settles
+    visited.context.set_offline(True)
+    visited.click('.explore .chapters [data-chapter="order"]')
+    visited.wait_for_selector(".top .lost:has-text('does not respond')")
+    assert not visited.locator(".explore .stage .title >> visible=true").count()
+    assert visited.text_content(SAID) == ""
+    visited.context.set_offline(False)
+    visited.held = False
+    visited.wait_for_selector('.explore.ready[data-chapter="order"] .figure:has-text("32")')
+    settle(visited)
+    assert visited.is_hidden(".top .lost")
+    assert "for p = 0.80" in visited.inner_text(".explore .lead .provenance").replace("\xa0", " ")
 
 
-def test_the_document_has_the_name_of_what_is_open(visit):
-    chapter(visit, "analyse")
-    assert visit.title() == "Analyse · OmniVaT"
-    visit.click("#view-pair-button")
-    visit.wait_for_function("document.title === 'Try a pair · OmniVaT'")
-    visit.click("#view-explore-button")
-    visit.wait_for_function("document.title === 'Analyse · OmniVaT'")
+def test_the_document_has_the_name_of_what_is_open(visited):
+    chapter(visited, "analyse")
+    assert visited.title() == "Analyse · OmniVaT"
+    visited.click("#view-pair-button")
+    visited.wait_for_function("document.title === 'Try a pair · OmniVaT'")
+    visited.click("#view-explore-button")
+    visited.wait_for_function("document.title === 'Analyse · OmniVaT'")
 
 
-def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(visit):
-    chapter(visit, "analyse")
-    visit.focus(MARKS)
-    visit.keyboard.press("n")
+def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(visited):
+    chapter(visited, "analyse")
+    visited.focus(MARKS)
+    visited.keyboard.press("n")
     assert re.fullmatch(
-        r"Pair \d+, \w+, [\w. ()-]+, predicted as \w+, (correct|wrong)", aloud(visit, "Pair")
+        r"Pair \d+, \w+, [\w. ()-]+, predicted as \w+, (correct|wrong)", aloud(visited, "Pair")
     )
-    visit.keyboard.press("Enter")
-    aloud(visit, ", pinned")
-    visit.focus(".explore .order")
-    visit.keyboard.press("ArrowRight")
-    assert "modality gap 0." in aloud(visit, "domain gap 0.")
-    names = visit.locator(".explore .treads output").evaluate_all(
+    visited.keyboard.press("Enter")
+    aloud(visited, ", pinned")
+    visited.focus(".explore .order")
+    visited.keyboard.press("ArrowRight")
+    assert "modality gap 0." in aloud(visited, "domain gap 0.")
+    names = visited.locator(".explore .treads output").evaluate_all(
         "all => all.map((one) => [one.role, one.ariaLabel])"
     )
     assert [role for role, _ in names] == ["img"] * 6
     assert names[0][1].startswith("Modality gap after the embedding: 0.")
 
 
-def test_a_lasso_leaves_a_short_address(visit):
-    chapter(visit, "analyse")
-    visit.focus(MARKS)
+def test_a_lasso_leaves_a_short_address(visited):
+    chapter(visited, "analyse")
+    visited.focus(MARKS)
     for _ in range(6):
-        visit.keyboard.press("+")
-    visit.keyboard.press("s")
-    settle(visit)
-    count = int(visit.inner_text(".explore .pictures h4").split()[0])
-    visit.wait_for_function("location.search.includes('sel=')")
-    assert count > 200 and len(visit.url) < 1200
-    visit.keyboard.press("Escape")
+        visited.keyboard.press("+")
+    visited.keyboard.press("s")
+    settle(visited)
+    count = int(visited.inner_text(".explore .pictures h4").split()[0])
+    visited.wait_for_function("location.search.includes('sel=')")
+    assert count > 200 and len(visited.url) < 1200
+    visited.keyboard.press("Escape")
 
 
 def swipe(page, x, *ys, fingers=(0,)):
@@ -145,15 +136,15 @@ SHOWN = """of => [...document.querySelectorAll(`.ov.explore ${of}`)].filter((one
 
 def test_in_forced_colours_what_is_chosen_bars_keys_and_lines_are_visible(new_page, address):
     page = new_page(forced_colors="active")
+    page.goto(address, wait_until="commit")
     for name, parts in {
         "touch": [".segments [aria-checked=true]", ".chapters [aria-current=page]", ".scale .fill"],
         "fooled": [".readings .range", ".readings [aria-checked=true]"],
         "order": [".over .now", ".wave path"],
         "where": [".sensors i"],
     }.items():
-        page.goto(f"{address}?chapter={name}", wait_until="commit")
         page.wait_for_selector(READY["explore"])
-        settle(page)
+        go(page, f"?chapter={name}")
         for part in parts:
             seen = page.evaluate(SHOWN, part)
             assert seen and all(seen), (name, part)
@@ -170,10 +161,10 @@ def test_enlarged_or_on_its_side_no_part_is_squeezed_or_lies_on_another(
     new_page, address, size, scale
 ):
     page = new_page(size, device_scale_factor=scale)
+    page.goto(address, wait_until="commit")
     for name, part in {"touch": ".twin .tile", "where": ".threads", "order": ".map"}.items():
-        page.goto(f"{address}?chapter={name}", wait_until="commit")
         page.wait_for_selector(READY["explore"])
-        settle(page)
+        go(page, f"?chapter={name}")
         box = page.locator(f".explore {part} >> visible=true").first.bounding_box()
         assert min(box["width"], box["height"]) >= (60 if name == "touch" else 200), name
         assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
@@ -190,30 +181,31 @@ FITS = """one => { const box = one.getBoundingClientRect();
     && box.bottom <= innerHeight; }"""
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)], ids=str)
-def test_a_lecture_enlarges_what_is_said_and_not_where_it_comes_from(new_page, address, size):
-    page = new_page(size)
-    page.goto(f"{address}?chapter=touch", wait_until="commit")
-    page.wait_for_selector(READY["explore"])
-    settle(page)
-    small = page.locator(".explore .from-where").evaluate(SIZE)
-    page.keyboard.press("f")
-    large = page.locator(".explore .touch .large")
-    assert large.evaluate(SIZE) >= 110
-    assert large.evaluate(FITS)
-    assert page.locator(".explore .twin figcaption").first.evaluate(SIZE) >= 17 * size[0] / 1280
-    assert page.locator(".explore .from-where").evaluate(SIZE) <= small
-    page.keyboard.press("f")
-    chapter(page, "order")
-    page.keyboard.press("f")
-    assert page.locator(".explore .order-bar label").evaluate(FITS)
+def test_a_lecture_enlarges_what_is_said_and_leaves_map_chart_and_control(open_page):
+    page = open_page(shows=READY["explore"], size=(1280, 720))
+    for width, height in ((1280, 720), (1920, 1080)):
+        page.set_viewport_size({"width": width, "height": height})
+        go(page, "?chapter=touch")
+        small = page.locator(".explore .from-where").evaluate(SIZE)
+        page.keyboard.press("f")
+        large = page.locator(".explore .touch .large")
+        assert large.evaluate(SIZE) >= 110
+        assert large.evaluate(FITS)
+        assert page.locator(".explore .twin figcaption").first.evaluate(SIZE) >= 17 * width / 1280
+        assert page.locator(".explore .from-where").evaluate(SIZE) <= small
+        page.keyboard.press("f")
+        chapter(page, "order")
+        page.keyboard.press("f")
+        assert page.locator(".explore .order-bar label").evaluate(FITS)
+        assert page.locator(".explore .ride label").evaluate(SIZE) >= 24
+        for there in (".map", ".over svg", ".order"):
+            assert page.locator(f".explore {there} >> visible=true").count()
+        assert not page.locator(".explore .panels >> visible=true").count()
+        page.keyboard.press("f")
 
 
-def test_on_a_slow_line_every_empty_place_has_a_word(new_page, address):
-    page = new_page()
-    page.goto(f"{address}?chapter=touch", wait_until="commit")
-    page.wait_for_selector(READY["explore"])
-    settle(page)
+def test_on_a_slow_line_every_empty_place_has_a_word(open_page):
+    page = open_page("?chapter=touch", READY["explore"])
     client = page.context.new_cdp_session(page)
     slow = {"offline": False, "latency": 50, "downloadThroughput": 1e5, "uploadThroughput": 1e5}
     client.send("Network.enable")
@@ -230,9 +222,8 @@ def test_on_a_slow_line_every_empty_place_has_a_word(new_page, address):
     assert page.is_hidden(".explore .wait")
 
 
-def test_the_tour_leaves_a_chapter_as_it_found_it(open_page):
-    page = open_page("?chapter=touch", READY["explore"])
-    settle(page)
+def test_the_tour_leaves_a_chapter_as_it_found_it(visit):
+    page = visit("?chapter=touch")
     before = page.inner_text(".explore .touch .figure")
     page.click(".tour-start")
     page.wait_for_selector(".tour [data-option]")

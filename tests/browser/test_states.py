@@ -2,7 +2,7 @@
 
 import pytest
 
-from .gestures import settle
+from .gestures import READY, go, settle
 
 pytestmark = pytest.mark.browser
 
@@ -62,20 +62,25 @@ CUT = """() => {
 }"""
 
 
-@pytest.mark.parametrize("view", VIEWS)
 def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_no_scrolling(
-    open_page, view
+    open_page,
 ):
-    parts, wide = VIEWS[view]
-    shown = ".explore :is(.provenance, .tree-of-pair) >> visible=true"
-    page = open_page(f"?{view}", shown, size=SIZES[0])
-    for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
-        settle(page)
-        assert page.evaluate(CUT) == [], width
-        assert page.evaluate(OUTSIDE, parts if width == 400 else [*parts, *wide]) == [], width
-        assert not page.evaluate(COVERED), width
+    page = open_page(shows=READY["explore"], size=SIZES[0])
+    for view, (parts, wide) in VIEWS.items():
+        go(page, f"?{view}")
+        page.wait_for_selector(READY["explore"])
+        page.wait_for_selector(".explore :is(.provenance, .tree-of-pair) >> visible=true")
+        page.evaluate("scrollTo(0, 0)")
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            page.evaluate(
+                "() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
+            )
+            settle(page)
+            at, needed = (view, width), parts if width == 400 else [*parts, *wide]
+            assert page.evaluate(CUT) == [], at
+            assert page.evaluate(OUTSIDE, needed) == [], at
+            assert not page.evaluate(COVERED), at
     page.locator(".explore .chapters").evaluate("one => { one.style.width = '200vw'; }")
     assert page.evaluate(CUT)  # the check can see
 
@@ -96,27 +101,23 @@ def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
     assert abs(float(link.split("p=")[-1].split("&")[0]) - shown) < 1e-3
 
 
-@pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled", "analyse"])
 def test_paper_keeps_the_words_simulated_lines_of_figures_and_names_of_colours_but_no_button(
-    open_page, chapter
+    open_page,
 ):
-    page = open_page(
-        f"?chapter={chapter}", ".explore .provenance >> visible=true", size=(718, 1047)
-    )
-    settle(page)
-    page.emulate_media(media="print")
-    assert page.is_visible(".top .badge")
-    for gone in (
-        ".tour-start",
-        ".theme",
-        ".chapters",
-        ".next",
-        ".zooms button",
-        ".tiles button:nth-child(13)",
-    ):
-        assert not page.locator(f"{gone} >> visible=true").count()
-    assert page.locator(".explore .provenance >> visible=true").count()
-    if chapter == "fooled":
-        assert page.locator(".explore .readings .scale >> visible=true").count() == 3
-    if chapter == "where":
-        assert page.locator(".explore .sensors button >> visible=true").count() == 8
+    page = open_page(shows=READY["explore"], size=(718, 1047))
+
+    def seen(parts):
+        return page.locator(f"{parts} >> visible=true").count()
+
+    for chapter in ("touch", "where", "order", "fooled", "analyse"):
+        go(page, f"?chapter={chapter}")
+        page.wait_for_selector(READY["explore"])
+        page.wait_for_selector(".explore .provenance >> visible=true")
+        page.emulate_media(media="print")
+        assert seen(".top .badge") == 1, chapter
+        gone = ".tour-start, .theme, .chapters, .next, .zooms button, .tiles button:nth-child(13)"
+        assert seen(gone) == 0, chapter
+        assert seen(".explore .provenance"), chapter
+        assert chapter != "fooled" or seen(".explore .readings .scale") == 3
+        assert chapter != "where" or seen(".explore .sensors button") == 8
+        page.emulate_media(media="screen")

@@ -60,7 +60,9 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page, address):
     page.wait_for_selector(".top .limits:has-text('Map positions')")
 
 
-def test_the_address_of_what_one_visitor_set_brings_it_back_to_another(open_page):
+def test_an_address_brings_what_one_visitor_set_to_another_and_then_neither_disturbs_the_other(
+    open_page,
+):
     page = open_page("?mode=moved&pin=3", MAP)
     plain = pixels(page)
     page.click('[data-stage="f_bar"]')
@@ -81,6 +83,19 @@ def test_the_address_of_what_one_visitor_set_brings_it_back_to_another(open_page
     assert other.input_value(".explore .colouring") == "modality"
     assert not other.is_checked('[data-kind="class"][data-name="wood"] input')
     assert other.inner_text(".explore .card h3").startswith("Pair 3")
+    page.focus(".explore .order")
+    page.keyboard.press("ArrowRight")
+    assert p_shown(page) == "0.05"
+    assert p_shown(other) == "0.04"
+    seeds = {page: (11, 12), other: (12, 11)}
+    for one, (seed, _) in seeds.items():
+        open_tab(one, "pair")
+        one.wait_for_selector(ANSWERED)
+        send(one, "vis", seed)
+    for one, (_, foreign) in seeds.items():
+        assert f"{foreign}.png" not in one.inner_text(".pair .slots")
+    said = [one.locator(".pair .bars td[data-reading=vis]").all_text_contents() for one in seeds]
+    assert said[0] != said[1]
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page):
@@ -130,25 +145,6 @@ def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open
     page.wait_for_selector(READY["explore"])
     assert page.evaluate("document.body.classList.contains('dark')") is not was
     page.click(".ov.top .theme")  # this profile is shared
-
-
-def test_two_visitors_do_not_disturb_one_another(open_page):
-    one, two = (open_page("?mode=moved&p=0.3", MAP, size=(1440, 900)) for _ in range(2))
-    one.focus(".explore .order")
-    one.keyboard.press("ArrowRight")
-    assert p_shown(one) == "0.31"
-    assert p_shown(two) == "0.30"
-    one.keyboard.press("ArrowLeft")
-    for page, seed in ((one, 11), (two, 12)):
-        open_tab(page, "pair")
-        page.wait_for_selector(ANSWERED)
-        send(page, "vis", seed)
-    for page, seed in ((one, 12), (two, 11)):
-        assert f"{seed}.png" not in page.inner_text(".pair .slots")
-    said = [
-        page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)
-    ]
-    assert said[0] != said[1]
 
 
 def test_the_watch_for_outside_requests_sees_one(desktop, address):

@@ -1,12 +1,16 @@
 """`--touch relief` from pictures to a prediction: lamps, heads and sets that fit, what is named."""
 
 import json
+from contextlib import redirect_stdout
+from functools import cache
+from io import StringIO
 from shutil import copytree
 
 import numpy as np
 import pytest
 
 from omnivat import EXAMPLES, load_embeddings
+from omnivat.cli import main
 
 pytestmark = pytest.mark.slow
 ALONE = "the lamps that each touch gives alone"
@@ -24,17 +28,30 @@ def work(tmp_path_factory):
     return root
 
 
-def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(work, run):
-    said = run("embed", work / "pairs", "--touch", "relief", "--no-flips",
-        "--out", work / "relief.safetensors")  # fmt: skip
+@pytest.fixture(scope="module")
+def embedded(work):
+    """Return a function of `--touch` that gives what `embed` prints and the file it writes."""
+
+    @cache
+    def of(touch):
+        out = work / f"{touch}-sides.safetensors"
+        with StringIO() as said, redirect_stdout(said):
+            words = ["embed", work / "pairs", "--touch", touch, "--out", out]
+            assert main([*map(str, words)]) == 0
+            return said.getvalue(), out
+
+    return of
+
+
+def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(work, embedded, run):
+    said, relief = embedded("relief")
     assert (
-        "TQ-DIGIT-sim: touch is read as its relief, by lamps from 8 touches (confidence 0.9"
-        in said.out
+        "TQ-DIGIT-sim: touch is read as its relief, by lamps from 8 touches (confidence 0.9" in said
     )
-    assert f"few: touch is read as its relief, by {ALONE}. Lamps need 3 pictures of one" in said.out
-    run("train", "--embeddings", work / "relief.safetensors", "--source", "TQ-DIGIT-sim",
+    assert f"few: touch is read as its relief, by {ALONE}. Lamps need 3 pictures of one" in said
+    run("train", "--embeddings", relief, "--source", "TQ-DIGIT-sim",
         "--out", work / "head", "--set", "width=16", "--set", "epochs=3")  # fmt: skip
-    fits = "--head", work / "head", "--embeddings", work / "relief.safetensors"
+    fits = "--head", work / "head", "--embeddings", relief
     record = json.loads(run("evaluate", *fits, "--json").out)
     assert record["known"] == "nothing: pictures as they come; lamps from up to 8 touches"
     assert {one["domain"]: one["lamps_from"] for one in record["domains"]} == {
@@ -62,12 +79,12 @@ def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(wor
 
     said = run("evaluate", "--head", work / "head", code=1)
     assert "Embed the pairs with --touch relief, or choose a head that fits" in said.err
-    said = run("evaluate", "--embeddings", work / "relief.safetensors", code=1)
+    said = run("evaluate", "--embeddings", relief, code=1)
     assert "made with touch drawn as its relief" in said.err and "--touch colours" in said.err
 
 
 def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_commands_and_on_the_page(
-    work, run
+    work, embedded, run
 ):
     from app.pair.pictures import live, taken
     from app.pair.sensor import load_sensor
@@ -76,12 +93,10 @@ def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_commands_and_on
     from app.shared.requests import FILES
     from app.shared.resources import Resources
 
-    def embedded(touch):
-        out = work / f"{touch}-sides.safetensors"
-        return run("embed", work / "pairs", "--touch", touch, "--out", out), load_embeddings(out)
-
-    (said, both), (_, colours), (_, relief) = map(embedded, ("both", "colours", "relief"))
-    assert "DIGIT-sim: touch is read in its colours and as its relief, by lamps from 8" in said.out
+    found = {touch: embedded(touch) for touch in ("both", "colours", "relief")}
+    said = found["both"][0]
+    both, colours, relief = (load_embeddings(file) for _, file in found.values())
+    assert "DIGIT-sim: touch is read in its colours and as its relief, by lamps from 8" in said
     for flip in ("", "_flip"):
         left, right = np.hsplit(both.vectors["tac" + flip], 2)
         assert np.array_equal(left, colours.vectors["tac" + flip])

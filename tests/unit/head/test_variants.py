@@ -84,14 +84,14 @@ CHANGES = [
 ]
 
 
-@pytest.fixture(params=["ones", "signed", "normal"])
-def theta(request):
-    return request.param
+# θ of another start is another row of numbers, whatever the setting
+STARTS = [{"theta": "ones"}, {"theta": "signed"}, *({"theta": "normal"} | one for one in CHANGES)]
+EACH = pytest.mark.parametrize("change", STARTS, ids=str)
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=str)
-def test_a_prediction_is_that_of_the_slow_head(make_head, make_pairs, theta, change):
-    model, given = make_head(theta=theta, **change), dict(zip(IMAGES, make_pairs(7), strict=True))
+@EACH
+def test_a_prediction_is_that_of_the_slow_head(make_head, make_pairs, change):
+    model, given = make_head(**change), dict(zip(IMAGES, make_pairs(7), strict=True))
     for order in (None, 0.0, 0.3, 1.0, -1.7):
         p = order if order is None else torch.tensor(order, dtype=torch.float64)
         with torch.no_grad():
@@ -105,9 +105,9 @@ def test_a_prediction_is_that_of_the_slow_head(make_head, make_pairs, theta, cha
             assert (output.probabilities - probabilities).abs().max() < 1e-12
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=str)
-def test_f_is_the_mean_of_the_tokens_of_each_part(make_head, make_pairs, theta, change):
-    model, (vis, tac) = make_head(theta=theta, **change), make_pairs(7)
+@EACH
+def test_f_is_the_mean_of_the_tokens_of_each_part(make_head, make_pairs, change):
+    model, (vis, tac) = make_head(**change), make_pairs(7)
     slow = Slow(model)
     with torch.no_grad():
         output = model(vis, tac)
@@ -144,9 +144,9 @@ def assert_same_step(model, names=IMAGES, *, lang=True, order=None):
             torch.testing.assert_close(*both, rtol=0, atol=atol, msg=name)
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=str)
-def test_a_training_step_is_that_of_the_slow_head(make_head, theta, change):
-    model = make_head(theta=theta, **change).train()
+@EACH
+def test_a_training_step_is_that_of_the_slow_head(make_head, change):
+    model = make_head(**change).train()
     assert_same_step(model)
     assert_same_step(model, lang=False)
     assert_same_step(model, ("vis",))
