@@ -14,7 +14,7 @@ from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import ROOT, Server, watched
-from .gestures import open_tab, pixels, settle, texture
+from .gestures import go, open_tab, pixels, settle, texture
 
 pytestmark = pytest.mark.browser
 PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
@@ -104,7 +104,7 @@ def test_a_mode_has_its_words_its_accuracy_and_the_gap_of_its_frames(page, rows)
 def test_with_one_domain_left_a_gap_is_that_of_all_domains_and_says_so(page, rows):
     mode = rows[1]["modes"]["id"]
     hidden = "~".join(read_frames(rows[1]["modes"]["file"]).domains[1:])
-    page.goto(f"{page.url.partition('?')[0]}?chapter=analyse&mode={mode}&domain={quote(hidden)}")
+    go(page, f"?chapter=analyse&mode={mode}&domain={quote(hidden)}")
     page.wait_for_selector(f".explore[data-kind='{mode}']")
     chart = page.locator(".explore figure[data-name=medians]")
     chart.wait_for(state="attached")
@@ -117,15 +117,15 @@ def test_a_colour_of_a_column_paints_the_map_names_its_values_and_is_saved(page,
     values = {
         value or "none" for value in load_embeddings(default_embeddings()).rows[row["column"]]
     }
-    address = f"{page.url.partition('?')[0]}?chapter=analyse&mode=moved&stage=projection"
-    page.goto(address)
+    address = "?chapter=analyse&mode=moved&stage=projection"
+    go(page, address)
     page.wait_for_selector(f".explore .colouring option[value={row['id']}]", state="attached")
     settle(page)
     before = pixels(page)
     page.select_option(".explore .colouring", label=row["title"])
     settle(page)
     assert pixels(page) != before
-    page.goto(f"{address}&colour={row['id']}")
+    go(page, f"{address}&colour={row['id']}")
     legend = page.locator(".explore .filters .legend .key")
     legend.first.wait_for(state="attached")
     assert set(legend.all_text_contents()) == values

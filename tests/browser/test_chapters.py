@@ -251,8 +251,8 @@ def test_what_is_lost_is_split_by_reading_and_by_look(visit, twins):
             assert ("another scene" in rows) == (reading != "touch")
 
 
-def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(open_page):
-    page = open_page("?chapter=order", ".explore .wave path")
+def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(visit):
+    page = visit("?chapter=order", ".explore .wave path")
     line, wave = ".explore .over .own", ".explore .wave path"
     length = "one => one.getTotalLength()"
     first, turned = page.locator(line).evaluate(length), page.locator(wave).get_attribute("d")

@@ -183,10 +183,8 @@ def expected(files, frames, stop):
     return placed(queries, unit(torch.cat(list(whole.f_hat.values()))), flat).places.numpy()
 
 
-def test_two_uploaded_pictures_are_shown_at_every_p_where_the_library_places_them(
-    open_page, frames
-):
-    page = open_page("?view=pair", ANSWERED)
+def test_two_uploaded_pictures_are_shown_at_every_p_where_the_library_places_them(visit, frames):
+    page = visit("?view=pair", ANSWERED)
     files = send_pair(page)
     page.click(".pair .on-map [data-send=everyP]")
     page.wait_for_selector(TREE)

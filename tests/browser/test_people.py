@@ -12,9 +12,9 @@ PAIR = "?vis=row:0&tac=row:0&pin=3"
 
 
 @pytest.fixture
-def audited(open_page):
+def audited(visit):
     """Return the open page."""
-    return open_page(f"{PAIR}&chapter=analyse", MAP)
+    return visit(f"{PAIR}&chapter=analyse", MAP)
 
 
 def test_an_audit_finds_nothing_wrong_with_any_tab(audited):
@@ -24,6 +24,7 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited):
         assert faults(audited) == [], view
     audited.evaluate("document.querySelector('#view-train .task').style.color = '#ccd'")
     assert any("contrast" in fault for fault in faults(audited, COLOURS))  # the audit can see
+    audited.evaluate("document.querySelector('#view-train .task').style.color = ''")
 
 
 @pytest.mark.long
@@ -35,6 +36,7 @@ def test_the_dark_page_has_contrast_enough_in_any_tab(audited):
         open_tab(audited, view)
         audited.wait_for_selector(READY[view])
         assert faults(audited, COLOURS) == [], view
+    audited.click(".ov.top .theme")
 
 
 # every element that a mouse can use, and whether keys come to it; a group of radios is one stop
