@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from omnivat.measure.rungs import RUNGS
 @pytest.fixture(autouse=True)
 def no_records(monkeypatch, tmp_path):
     monkeypatch.setattr(ladder, "LADDERS", tmp_path / "none.jsonl.gz")
+    monkeypatch.setattr(ladder, "measured", partial(measured, draws=3))
     ladder._records.cache_clear()
     yield
     ladder._records.cache_clear()
