@@ -9,14 +9,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from app.pair.pictures import decoded
 from app.shared.mend import mend_in, way_in
 from app.shared.pair_input import profile_in
+from app.shared.requests import FILES
 from app.shared.resources import Resources
 from app.shared.state import Question, Reply, content_name, ref_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from omnivat.data.profile import Profile
+    from omnivat.data.relief import Lamps
 
 MOST_AT_ONCE = 100  # pictures of one request; a page with more sends several
 DOMAIN = "My sensor"
@@ -28,13 +31,15 @@ def profile(resources: Resources, question: Question) -> Reply:
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
     return    `profile`, its name, `counts` of pictures by modality, how touches are mended
 
-    Pictures that came with the question and cannot be read are left out.
+    Pictures that came with the question and cannot be read are left out. A new profile of touches
+    alone holds their lamps, if they give some.
 
     Raises DataError for no images or too many, or a head without its source's profile.
     """
     import numpy as np
 
     from omnivat.data.profile import Profile, channels_of, joined
+    from omnivat.data.relief.files import TOUCH
 
     source = resources.head().source_profile
     before = profile_in(resources, question)
@@ -44,17 +49,36 @@ def profile(resources: Resources, question: Question) -> Reply:
     if not 0 < sum(map(len, given.values())) <= MOST_AT_ONCE:
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels, mend = dict(before.channels) if before else {}, mend_in(question)
+    gel = None if before or given["vis"] else _lamps(resources, question)
     for name, some in given.items():
-        read = [one for one in some if not str(one).startswith("unread:")]
-        rows = [resources.embedding(ref, name, mend) for ref in map(ref_from, read) if ref]
+        pictures = [one for one in some if not str(one).startswith("unread:")]
+        refs = [ref for ref in map(ref_from, pictures) if ref]
+        if (
+            gel and name == "tac" and resources.touch != TOUCH[0]
+        ):  # these lamps now show their relief
+            refs = [resources.take_image(file, "", mend, gel)[0] for file in question[FILES]]
+        rows = [resources.embedding(ref, name, mend) for ref in refs]
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
     if not channels:
         ref_from(next(one for some in given.values() for one in some))  # why it cannot be read
-    made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way_in(mend))
+    made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way_in(mend), lamps=gel)
     kept = _kept(resources, replace(before, channels=channels) if before else made)
     return {**kept, "mend": mend}
+
+
+def _lamps(resources: Resources, question: Question) -> "Lamps | None":
+    """Return the lamps of the touches that came with a question; None if they give none."""
+    import numpy as np
+
+    from omnivat.data.relief import lamps
+
+    try:
+        images = (decoded(resources, file, question) for file in question.get(FILES, ()))
+        return lamps(map(np.asarray, images))
+    except DataError:
+        return None
 
 
 def save_sensor(resources: Resources, question: Question) -> bytes:
@@ -89,13 +113,13 @@ def from_the_start(resources: Resources) -> Reply:
 
 
 def _kept(resources: Resources, profile: "Profile") -> Reply:
-    from omnivat.data.relief.files import TOUCH, packed, touch_of
+    from omnivat.data.relief.files import TOUCH, packed
 
     parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
     lamps = packed(profile.lamps) if profile.lamps else ""
     rest = (profile.domain, profile.step, profile.way, lamps)
     name = content_name(repr([profile.counts, *parts, rest]).encode())
     resources.profiles.keep(name, profile)
-    relief = touch_of(resources.head().encoder["preprocessing"]) != TOUCH[0]
-    lit = relief and profile.lamps is not None  # touches are then read again, by these lamps
+    # touches are then read again, by these lamps
+    lit = resources.touch != TOUCH[0] and profile.lamps is not None
     return {"profile": name, "counts": profile.counts, "mend": profile.way, "lit": lit}

@@ -105,12 +105,12 @@ def _predicted(resources: Resources, question: Question) -> Reply:
 
 def touch_words(resources: Resources, question: Question) -> str:
     """Return how a visitor's own touch is read, and by whose lamps; "" in colours."""
-    from omnivat.data.relief.files import TOUCH, reading_of, touch_of
+    from omnivat.data.relief.files import TOUCH, reading_of
 
-    touch = touch_of(resources.head().encoder["preprocessing"])
-    if touch == TOUCH[0] or not str(question.get("tac") or "").startswith("image:"):
+    own = str(question.get("tac") or "").startswith("image:")
+    if not own or resources.touch == TOUCH[0]:
         return ""
-    return reading_of(touch, lamps_in(resources, question), " of your profile")
+    return reading_of(resources.touch, lamps_in(resources, question), " of your profile")
 
 
 def many(resources: Resources, question: Question) -> Reply:

@@ -126,6 +126,13 @@ class Resources:
         return content_name(repr([state_of(file) for file in files]).encode())
 
     @property
+    def touch(self) -> str:
+        """How the head reads touches, a word of `omnivat.data.relief.files.TOUCH`."""
+        from omnivat.data.relief.files import touch_of
+
+        return touch_of(self.head().encoder["preprocessing"])
+
+    @property
     def sheet(self) -> Path | None:
         """The set's sheet of thumbnails; None if it has none, or its pairs are in another order."""
         return None if self.drawn() else self.where.sheet

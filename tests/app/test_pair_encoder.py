@@ -113,3 +113,30 @@ def test_an_own_touch_is_read_by_the_lamps_of_the_profile_and_the_reply_says_so(
     words = touch_words(resources, {"tac": lit, **named["lit"]})
     assert f"lamps from {len(files) - 1} touches of your profile" in words
     assert touch_words(resources, {"tac": "row:1", **named["lit"]}) == ""
+
+
+def test_a_profile_made_for_a_head_of_relief_is_of_touches_under_the_lamps_that_they_give(
+    resources, encoder, monkeypatch
+):
+    from app.pair.pictures import with_pictures
+    from app.pair.sensor import profile
+    from app.shared.requests import FILES
+    from omnivat.encoders.base import ReliefDrawn
+    from omnivat.head.heads import EXAMPLES
+
+    relief, head = ReliefDrawn(encoder, {}, "relief"), resources.head()
+    lit = SimpleNamespace(
+        settings=head.settings,
+        source_profile=head.source_profile,
+        encoder={**head.encoder, "preprocessing": relief.preprocessing},
+    )
+    monkeypatch.setattr(resources, "encoder", lambda: relief)
+    monkeypatch.setattr(resources, "head", lambda: lit)
+    files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))[:6]
+    question = {"touches": [f"file:{k}" for k in range(6)], FILES: [f.read_bytes() for f in files]}
+    made = resources.profiles.get(with_pictures(profile, resources, question)["profile"])
+    rows = [
+        resources.embedding(resources.take_image(f, "", "", made.lamps)[0], "tac") for f in files
+    ]
+    assert set(made.channels) == {"tac"}
+    np.testing.assert_allclose(made.channels["tac"].mean, np.mean(rows, 0), rtol=1e-5, atol=1e-6)

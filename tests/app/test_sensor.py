@@ -18,6 +18,7 @@ from app.serving.server import main
 from app.shared.pair_input import pair_of
 from omnivat.data.images import read_image
 from omnivat.data.profile import channels_of, joined
+from omnivat.data.profile_file import load_profile
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
@@ -185,3 +186,22 @@ def test_a_profile_file_keeps_how_its_touches_were_mended(visiting, refs):
     with served(visiting) as client:
         again = client.post("/omnivat/sensor", content=save_sensor(visiting, made)).json()
     assert again == made and made["mend"] == "left-right"
+
+
+def test_a_new_profile_of_touches_alone_holds_their_lamps_and_keeps_them(resources, gel, tmp_path):
+    files = sent(gel)
+    names = [f"file:{k}" for k in range(len(gel))]
+    with served(resources) as client:
+        first = posted(client, "profile", {"touches": names[:8]}, *files[:8]).json()["profile"]
+        more = {"touches": names[:1], "profile": first}
+        both = posted(client, "profile", more, files[8]).json()["profile"]
+        bare = posted(client, "profile", {"photos": names[:8]}, *files[:8]).json()["profile"]
+        grey = sent([np.full((64, 64, 3), 90, np.uint8)] * 5)
+        none = posted(client, "profile", {"touches": names[:5]}, *grey).json()["profile"]
+        held = []
+        for name in (first, both, bare, none):
+            file = tmp_path / name
+            file.write_bytes(client.post("/omnivat/save/sensor", json={"profile": name}).content)
+            held.append(load_profile(file))
+    assert [one.lamps and one.lamps.pictures for one in held] == [8, 8, None, None]
+    assert held[1].counts == {"tac": 9}
