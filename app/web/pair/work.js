@@ -314,7 +314,7 @@ async function sample({ send }, { files, kind }, signal) {
       else broken.push(ref.problem);
     }
     if (!(refs.vis.length + refs.tac.length)) continue;
-    const pictures = { photos: refs.vis, touches: refs.tac, profile: profile?.profile ?? "" };
+    const pictures = { photos: refs.vis, touches: refs.tac, profile: profile?.profile ?? "", anew: true };
     const made = await quietly(ask("profile", pictures, signal));
     if ("problem" in made) broken.push(...some.map(() => made.problem));
     else {

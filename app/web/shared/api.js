@@ -211,15 +211,15 @@ function whole(path, question) {
 }
 
 /** A question as it is sent, with what was read in the visitor's pictures; those that nobody has read yet come after
- * it, with what is `attached`. @param {Question} question @param {Blob[]} attached */
-function packed(question, attached) {
+ * it, or all that are there (`anew`), with what is `attached`. @param {Question} question @param {Blob[]} attached */
+function packed({ anew, ...question }, attached) {
   /** @type {Ref[]} */
   const fresh = [];
   const mend = /** @type {string} */ (question.mend ?? "");
   const lit = question.profile === visit.lit ? visit.lit : "";
   const sent = withImages(question, (ref) => {
     const known = isOwnPicture(ref) ? read.get(keyOf(ref, mend, lit)) : ref;
-    if (known) return known;
+    if (known && !(anew && files.has(ref))) return known;
     if (!files.has(ref)) throw new Refusal(GONE);
     if (!fresh.includes(ref)) fresh.push(ref);
     return `file:${attached.length + fresh.indexOf(ref)}`;
