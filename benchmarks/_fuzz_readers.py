@@ -294,7 +294,7 @@ def _heads(folder: Path) -> dict[str, Any]:
 
     encoder = {"name": "e", "weights_hash": "w", "preprocessing": "p"}
     model = OmniVaT(HeadSettings(classes=CLASSES, input_width=8, lang_width=4, width=8))
-    rows = {name: torch.ones(2, 8) for name in ("vis", "tac", "relief")}
+    rows = {name: torch.eye(8)[:2] for name in ("vis", "tac", "relief")}
     known = Familiarity(rows=rows, quantiles={name: torch.arange(3.0) for name in rows})
     head = Head(model=model, encoder=encoder, provenance={"source": "A"}, familiarity=known)
     save_head(folder / "a", head)

@@ -33,7 +33,7 @@ def test_a_cell_gets_the_mean_of_the_parts_that_covered_it():
     assert cells[2:].sum() == 0
 
 
-def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypatch):
+def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else():
     """A head that reads one cell: the mean brightness of row 0, column 5."""
 
     class Encoder:
@@ -48,12 +48,13 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 
     settings = SimpleNamespace(classes=("bright", "dark"))
     head = SimpleNamespace(model=model, settings=settings, familiarity=None)
-    monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
     decoder = SimpleNamespace(read=lambda *arguments: SimpleNamespace(image=image))
     resources = SimpleNamespace(
-        shared=SimpleNamespace(decoder=decoder), encoder=Encoder, head_named=lambda name: head
+        shared=SimpleNamespace(decoder=decoder),
+        reader=lambda name, lamps: Encoder(),
+        head_named=lambda name: head,
     )
     found = occlusion(resources, {"modality": "vis", FILES: [b""]})
     drops = found["drops"]
