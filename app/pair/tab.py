@@ -51,16 +51,15 @@ def predicted(resources: Resources, question: Question) -> Reply:
               touch is read, "" in colours;
               `exact`: class probabilities of each reading at that order; `stops`: the same at
               each of STOPS, without branches; spectra; `images`: the familiarity of each image,
-              as `app.shared.familiar.looked_at` has it
-              each of `with`, or its `problem`
+              as `app.shared.familiar.looked_at` has it; each of `with`, or its `problem`
     """
     wanted = question.get("with") or []
     if not isinstance(wanted, list) or any(str(one) not in PARTS for one in wanted):
         raise DataError(f"with has to be a list of {', '.join(PARTS)}.")
     reply = _predicted(resources, question)
-    for name in map(str, wanted):
-        if name != "moving" or reply["linear"]:
-            reply[name] = _quietly(PARTS[name], resources, question)
+    for name, part in PARTS.items():  # each once, however often it is named
+        if name in wanted and (name != "moving" or reply["linear"]):
+            reply[name] = _quietly(part, resources, question)
     return reply
 
 
