@@ -50,13 +50,12 @@ def profile(resources: Resources, question: Question) -> Reply:
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels, mend = dict(before.channels) if before else {}, mend_in(question)
     gel = None if before or given["vis"] else _lamps(resources, question)
+    relit = gel if resources.touch != TOUCH[0] else None  # they were read before it was known
     for name, some in given.items():
         pictures = [one for one in some if not str(one).startswith("unread:")]
         refs = [ref for ref in map(ref_from, pictures) if ref]
-        if (
-            gel and name == "tac" and resources.touch != TOUCH[0]
-        ):  # these lamps now show their relief
-            refs = [resources.take_image(file, "", mend, gel)[0] for file in question[FILES]]
+        if relit and name == "tac":
+            refs = [resources.take_image(file, "", mend, relit)[0] for file in question[FILES]]
         rows = [resources.embedding(ref, name, mend) for ref in refs]
         if rows:
             found = channels_of(np.stack(rows))

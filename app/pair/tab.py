@@ -63,11 +63,11 @@ def predicted(resources: Resources, question: Question) -> Reply:
     return reply
 
 
-def _quietly(part: Work, resources: Resources, question: Question) -> Reply:
-    """Return a part of the reply on a pair, or its `problem`."""
+def _quietly(work: Callable[..., Reply], *given: Any) -> Reply:
+    """Return what some work gives, or its `problem`."""
     checkpoint()
     try:
-        return part(resources, question)
+        return work(*given)
     except ForgottenError:
         raise
     except DataError as error:
@@ -128,10 +128,10 @@ def many(resources: Resources, question: Question) -> Reply:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
     head, _ = reader_of(resources, question)
 
-    def read(_: Resources, one: Question) -> Reply:
+    def read(one: Question) -> Reply:
         return predict_one(pair_request(resources, within(question, one)))
 
-    found = [_quietly(read, resources, one) for one in given]
+    found = [_quietly(read, one) for one in given]
     return {"classes": list(head.settings.classes), "pairs": found}
 
 
@@ -143,13 +143,12 @@ def rivals(resources: Resources, question: Question) -> dict[str, Reply]:
               `problem` of a head that cannot read the pair
     """
 
-    def read(_: Resources, question: Question) -> Reply:
-        named = pair_request(resources, question)
+    def read(name: str) -> Reply:
+        named = pair_request(resources, {**question, "head": name})
         exact = {"order": named.head.model.order, "readings": readings_of(named)}
         return {"classes": list(named.head.settings.classes), "exact": exact}
 
-    others = filter(None, resources.folders)
-    return {name: _quietly(read, resources, {**question, "head": name}) for name in others}
+    return {name: _quietly(read, name) for name in resources.folders if name}
 
 
 def by_chapters(part: Work) -> Work:

@@ -95,7 +95,7 @@ export function drawPart(box, markup) {
   draw(box, markup ?? html``);
 }
 
-const LARGEST = 20e6; // bytes of the files of one request; a single one may be above
+export const LARGEST = 20e6; // bytes of the files of one request; a single one may be above
 
 /** Parts of a list, of at most so many items, and whose sizes are at most LARGEST.
  * @template Item @param {Item[]} items @param {number} most @param {(item: Item) => number} size */

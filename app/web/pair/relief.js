@@ -8,11 +8,10 @@ import { save } from "../shared/save.js";
 import { bytesOf as decoded } from "../shared/text.js";
 import { View } from "../shared/view.js";
 import { describe, partsOf } from "./own-pictures.js";
-import { draw, html, plural } from "./parts.js";
+import { draw, html, LARGEST, plural } from "./parts.js";
 
 const FEWEST = 5; // touches that give good lamps
 const MOST = 20;
-const LARGEST = 20e6; // bytes of one request
 /** @type {Record<string, [number, number]>} */
 const TURNS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const STEP = 0.15; // radians

@@ -38,8 +38,8 @@ export async function counted(pair) {
 const PAIRS_AT_ONCE = 12; // of one request
 let last = { lessons: "", taught: "" }; // a handle of the server's: nothing of it is drawn
 /** The name of the head that lessons teach; "" without lessons. `fresh` to teach again if the server may have dropped
- * the head. @param {{lessons?: Lesson[]}} of */
-export async function taughtBy({ lessons }, fresh = true) {
+ * the head. @param {{lessons?: Lesson[]}} of @param {boolean} fresh */
+export async function taughtBy({ lessons }, fresh) {
   if (!lessons) return "";
   const key = JSON.stringify(lessons);
   if (fresh || last.lessons !== key) last = { lessons: key, taught: (await ask("taught", { lessons })).taught };

@@ -16,7 +16,7 @@ import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
 import { camera, describe, held, snapshot } from "./own-pictures.js";
 import { isPicture, LONGEST, named, paired, sorted } from "./pairing.js";
-import { batches, imagesOf, plural } from "./parts.js";
+import { batches, imagesOf, LARGEST, plural } from "./parts.js";
 import { credit, short } from "./real.js";
 import { counted, predicted, quietly } from "./replies.js";
 import { isOwn, lessonsFor, lessonsOf, READING } from "./state.js";
@@ -27,7 +27,6 @@ const PICTURES_AT_ONCE = 10; // of a profile
 const FEW = 5; // pictures of a kind
 const LOOKED_AT = 3; // pictures whose kind is checked
 const TOUCHES = 25; // of each folder of a card
-const LARGEST = 20e6; // bytes of a card's request
 const MEND = "omnivat-mend";
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
 

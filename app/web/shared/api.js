@@ -157,7 +157,7 @@ export const once = keeper();
 /** The visitor's pictures: the file, and what it is called. @type {Map<Ref, [content: Blob, name: string]>} */
 const files = new Map();
 const READ = "omnivat-read"; // of this visit: the last pictures survive a reload
-const LAST = 4;
+const LAST = 60;
 /** What the server read in a picture, in its place from then on, by `keyOf`. @type {Map<string, string>} */
 const read = new Map(keptJson(READ, [], true));
 const GONE = "This browser no longer has this picture. Choose its file again.";
@@ -177,7 +177,7 @@ export async function hold(content, name) {
 }
 
 /** Whether the server has lost what a request was about. @param {unknown} error */
-export const isForgotten = (error) => error instanceof Refusal && error.status === 410;
+const isForgotten = (error) => error instanceof Refusal && error.status === 410;
 /** Whether a request was cancelled. @param {unknown} error */
 const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
