@@ -4,6 +4,7 @@ prediction, and occlusion.
 
 import base64
 from collections.abc import Callable
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
@@ -14,7 +15,7 @@ from app.shared.mend import mend_in, mended
 from app.shared.pair_input import OTHER, lamps_in, pair_request, rounded
 from app.shared.requests import FILES
 from app.shared.resources import Resources
-from app.shared.state import Question, Reply, one_of
+from app.shared.state import InTwo, Question, Reply, one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
@@ -94,6 +95,8 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
         if not any(one and "problem" in one for one in read):
             raise
         reply = {"problem": str(error)}
+    if isinstance(reply, InTwo):
+        return replace(reply, first={**reply.first, "pictures": read})
     return {**reply, "pictures": read} if isinstance(reply, dict) else reply
 
 

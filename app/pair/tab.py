@@ -8,8 +8,9 @@ from app.shared.familiar import familiar, looked_at, predict_one, readings_of
 from app.shared.map_place import journey
 from app.shared.messages import without_places
 from app.shared.pair_input import lamps_in, pair_request, reader_of, rounded, within
+from app.shared.requests import FILES
 from app.shared.resources import Resources
-from app.shared.state import ForgottenError, Question, Reply
+from app.shared.state import ForgottenError, InTwo, Question, Reply
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
@@ -39,28 +40,19 @@ def gallery(resources: Resources) -> list[Reply]:
     ]
 
 
-def predicted(resources: Resources, question: Question) -> Reply:
-    """Predict one pair at the learned order, and at every stop with the same weights.
-
-    question  {"vis": reference or None, "tac": reference or None, "order": p or None,
-              "head": name of a comparison head, the first one if left out,
-              "lessons": the visitor's labelled pairs, to predict by a head taught from them;
-              "with": names of PARTS, what else to return of the pair}
-    return    classes, the learned order and the `span` of orders the head was trained for;
-              `linear`: whether linear maps decide, in which p has no part; `touch`: how an own
-              touch is read, "" in colours;
-              `exact`: class probabilities of each reading at that order; `stops`: the same at
-              each of STOPS, without branches; spectra; `images`: the familiarity of each image,
-              as `app.shared.familiar.looked_at` has it; each of `with`, or its `problem`
+def answered(resources: Resources, question: Question) -> Reply | InTwo:
+    """Return the prediction of one pair; and then, `with` names of PARTS, what else the page shows
+    of it, or the `problem` of a part.
     """
     wanted = question.get("with") or []
     if not isinstance(wanted, list) or any(str(one) not in PARTS for one in wanted):
         raise DataError(f"with has to be a list of {', '.join(PARTS)}.")
-    reply = _predicted(resources, question)
-    for name, part in PARTS.items():  # each once, however often it is named
-        if name in wanted and (name != "moving" or reply["linear"]):
-            reply[name] = _quietly(part, resources, question)
-    return reply
+    reply = predicted(resources, question)
+    names = [name for name in PARTS if name in wanted and (name != "moving" or reply["linear"])]
+    if not names:
+        return reply
+    later = {**question, FILES: []}  # they are read, and need not wait for it
+    return InTwo(reply, lambda: {name: _quietly(PARTS[name], resources, later) for name in names})
 
 
 def _quietly(work: Callable[..., Reply], *given: Any) -> Reply:
@@ -74,7 +66,19 @@ def _quietly(work: Callable[..., Reply], *given: Any) -> Reply:
         return {"problem": without_places(str(error))}
 
 
-def _predicted(resources: Resources, question: Question) -> Reply:
+def predicted(resources: Resources, question: Question) -> Reply:
+    """Predict one pair at the learned order, and at every stop with the same weights.
+
+    question  {"vis": reference or None, "tac": reference or None, "order": p or None,
+              "head": name of a comparison head, the first one if left out,
+              "lessons": the visitor's labelled pairs, to predict by a head taught from them}
+    return    classes, the learned order and the `span` of orders the head was trained for;
+              `linear`: whether linear maps decide, in which p has no part; `touch`: how an own
+              touch is read, "" in colours;
+              `exact`: class probabilities of each reading at that order; `stops`: the same at
+              each of STOPS, without branches; spectra; `images`: the familiarity of each image,
+              as `app.shared.familiar.looked_at` has it
+    """
     import torch
 
     from omnivat.kit.threads import one_thread
@@ -161,7 +165,7 @@ PARTS: dict[str, Work] = {
     "familiar": familiar,
     "rivals": by_chapters(rivals),
     "journey": by_chapters(journey),
-    "moving": by_chapters(_predicted),  # where p has no part in the prediction
+    "moving": by_chapters(predicted),  # where p has no part in the prediction
 }
 
 

@@ -4,7 +4,7 @@ Only listed files are served. Every error is one sentence. `?set=NAME` selects a
 was loaded through the page.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from functools import cache, partial
 from gzip import compress
 from importlib.util import find_spec
@@ -15,7 +15,7 @@ from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 
@@ -33,14 +33,15 @@ from app.shared.fit import fit
 from app.shared.frame_parts import HEAD, part_of, tag_of
 from app.shared.limits import MAX_IMAGE_BYTES, PARTS
 from app.shared.map_place import journey
-from app.shared.messages import Handler, in_sentences, refusal
+from app.shared.messages import Handler, in_sentences, readable, refusal
 from app.shared.modes import mode_files, modes
 from app.shared.requests import asked, done, received, set_of, visitor_of
 from app.shared.resources import Resources, require_name
 from app.shared.saving import head_zip, save_figure
-from app.shared.state import VISITOR, Reply
+from app.shared.state import VISITOR, InTwo, Reply
 from app.shared.visitor_sets import VisitorSets
 from omnivat.head.heads import EXAMPLES
+from omnivat.kit.errors import OmniVatError
 
 Find = Callable[..., Path | None]  # of the resources and the parts of an address
 Work = Callable[..., Any]  # of the resources and a question; a JSON value, or the bytes of a file
@@ -57,7 +58,7 @@ def head_file(resources: Resources) -> bytes:
 
 
 QUESTIONS: dict[str, Work] = {
-    "pair": pair.predicted,
+    "pair": pair.answered,
     "many": pair.many,
     "rivals": pair.rivals,
     "attention": pair.attention,
@@ -96,6 +97,7 @@ FACTS: dict[str, Work] = {  # questions without anything in them
 }
 # of those that come many a second, or take seconds
 PRIORITIES: dict[Work, int] = {pictures.live: 0, pictures.occlusion: 2}
+LATER = 2  # of the rest of a reply, for which predictions of others do not wait
 SERVED: dict[str, Work] = {"real": real, "head.zip": head_file}  # of no use without a server
 # what comes as a file in the body: its work, priority and largest size
 SENT: dict[str, tuple[Work, int, int]] = {
@@ -111,6 +113,9 @@ PROJECT_FILES = {  # the same for every set
 PACKED = {"/", *(f"/omnivat/{name}" for name in (*FACTS, "glossary", "twins", "twins/map"))}
 MISSING = "There is no such file here; the page goes on without it."
 TYPES = {".js": "text/javascript", ".css": "text/css"}
+DAMAGED = (
+    "The head gives values that are not finite numbers; its weights are damaged. Train it again."
+)
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
 
@@ -171,7 +176,31 @@ async def compute(
             lambda: pictures.with_pictures(work, resources, read()),
             priority=priority,
         )
+    if isinstance(reply, InTwo):
+        rest = partial(done, request, jobs, reply.rest, priority=LATER)
+        return in_two(as_sent(reply.first, {HOLDS: resources.holds}), rest)
     return as_sent(reply, {HOLDS: resources.holds})
+
+
+def in_two(first: Response, rest: Callable[[], Awaitable[Reply]]) -> Response:
+    """Return a reply whose first line is sent before the rest is computed; a problem of the rest is
+    its line.
+    """
+    if first.status_code != 200:
+        return first
+
+    async def lines() -> AsyncIterator[bytes]:
+        yield bytes(first.body) + b"\n"
+        try:
+            more = JSONResponse(await rest())
+        except OmniVatError as error:
+            more = JSONResponse({"problem": readable(str(error))})
+        except ValueError:
+            more = JSONResponse({"problem": DAMAGED})
+        yield bytes(more.body)
+
+    headers = {HOLDS: first.headers[HOLDS]}
+    return StreamingResponse(lines(), headers=headers, media_type="application/x-ndjson")
 
 
 async def of_file(
@@ -196,10 +225,7 @@ def as_sent(value: Any, headers: Mapping[str, str] = FRESH) -> Response:
     try:
         return JSONResponse(value, headers=headers)
     except ValueError:
-        return refusal(
-            "The head gives values that are not finite numbers; its weights are damaged. Train it"
-            " again."
-        )
+        return refusal(DAMAGED)
 
 
 async def file(sets: VisitorSets, find: Find, request: Request) -> Response:

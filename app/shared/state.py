@@ -39,6 +39,14 @@ VISITOR: ContextVar[str] = ContextVar("visitor", default="")
 
 
 @dataclass(frozen=True, slots=True)
+class InTwo:
+    """A reply in two lines of JSON: what a visitor waits for, and the work that gives the rest."""
+
+    first: Reply
+    rest: Callable[[], Reply]
+
+
+@dataclass(frozen=True, slots=True)
 class Ref:
     """One image: `row:12` of the set, `example:TAG-sim/wood/a`, or a visitor's own by its
     embeddings, `image:<encoder>:<float32 numbers in base64>`.

@@ -9,6 +9,7 @@ from shutil import copytree
 import numpy as np
 import pytest
 
+from app.pair.tab import PARTS
 from app.serving.routes import QUESTIONS, SENT
 from app.shared.limits import MAX_IMAGE_BYTES, MAX_QUESTION_BYTES, PICTURES
 from app.shared.messages import UNEXPECTED
@@ -30,6 +31,11 @@ JUNK = [
     b'{"vis": "example:../../etc/passwd", "point": true, "stage": "raw"}',
     b'{"vis": {"path": "/etc/passwd"}, "point": null}',
 ]
+
+
+def in_lines(reply):
+    """Return a reply of several lines of JSON as one object."""
+    return {k: v for line in reply.text.splitlines() for k, v in json.loads(line).items()}
 
 
 @pytest.mark.parametrize("name", [*QUESTIONS, *SENT, "load", "part"])
@@ -59,16 +65,30 @@ def test_an_image_goes_in_and_its_pair_is_answered(client, png):
 def test_an_uploaded_pair_is_one_request_and_its_reply_replaces_the_pictures(client, png):
     wanted = ["familiar", "rivals", "journey", "moving"]
     question = {"vis": "file:1", "tac": "file:0", "names": ["t.png", "p.png"], "with": wanted}
-    first = posted(client, "pair", question, png(40, seed=1), png(48, seed=2)).json()
+    first = in_lines(posted(client, "pair", question, png(40, seed=1), png(48, seed=2)))
     touch, photo = first.pop("pictures")
     assert (photo["width"], touch["width"]) == (48, 40)
     assert set(first["familiar"]["images"]) == {"vis", "tac"} and first["rivals"] == {}
     assert "moving" not in first  # p has a part in this head
     again = {"vis": photo["ref"], "tac": touch["ref"], "with": wanted}
-    second = client.post("/omnivat/pair", json=again).json()  # nothing was kept for it
+    second = in_lines(client.post("/omnivat/pair", json=again))  # nothing was kept for it
     for one in (first, second):  # it is there, or its map is still being computed
         assert one.pop("journey").keys() & {"maps", "problem"}
     assert second == first
+
+
+def test_a_prediction_is_sent_before_the_rest_of_its_reply_whose_problem_is_a_line(
+    client, monkeypatch
+):
+    question = {"vis": "row:1", "with": ["familiar", "journey"]}
+    prediction, rest = client.post("/omnivat/pair", json=question).text.splitlines()
+    assert json.loads(prediction)["exact"] and set(json.loads(rest)) == {"familiar", "journey"}
+    monkeypatch.setitem(PARTS, "familiar", lambda *_: 1 / 0)
+    prediction, rest = client.post("/omnivat/pair", json=question).text.splitlines()
+    assert json.loads(prediction)["exact"] and json.loads(rest) == {"problem": UNEXPECTED}
+    monkeypatch.setitem(PARTS, "familiar", lambda *_: {"cosine": float("nan")})
+    _, rest = client.post("/omnivat/pair", json=question).text.splitlines()
+    assert "not finite" in json.loads(rest)["problem"]
 
 
 def test_a_picture_that_cannot_be_read_is_named_and_the_others_are_read(client, png):

@@ -10,6 +10,7 @@ from app.serving.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
 from app.shared.jobs import Jobs
 from app.shared.messages import BusyError, CancelledError
 from app.shared.requests import FILES as PICTURES
+from app.shared.state import InTwo
 from app.shared.visitor_sets import VisitorSets
 from omnivat.head.predict_set import CHUNK
 from omnivat.kit.progress import CHECK
@@ -103,7 +104,12 @@ def work(small_places):
         resources = Resources(replace(small_places, compare=(small_places.head,)))
         if name in FACTS:
             return partial(FACTS[name], resources)
-        return partial(QUESTIONS[name], resources, WORKING[name][0])
+
+        def whole():
+            found = QUESTIONS[name](resources, WORKING[name][0])
+            return found.rest() if isinstance(found, InTwo) else found
+
+        return whole
 
     return of
 

@@ -149,7 +149,7 @@ interface PairEvents {
   uploaded: { modality: Modality; ref: Ref };
   fetched: { key: string; pair: Pair };
   explained: PairTab["explained"];
-  predicted: Required<Pick<PairTab, "familiar" | "rivals" | "journey" | "moving">> & {
+  predicted: Partial<Pick<PairTab, "familiar" | "rivals" | "journey" | "moving">> & {
     answer: Predicted;
     question: Question;
   };

@@ -26,6 +26,7 @@ const ROWS_AT_ONCE = 4; // pairs that are read between two looks at how many are
 const PICTURES_AT_ONCE = 10; // of a profile
 const FEW = 5; // pictures of a kind
 const LOOKED_AT = 3; // pictures whose kind is checked
+const SOON = 200; // milliseconds, before which a prediction waits for what else is shown of its pair
 const TOUCHES = 25; // of each folder of a card
 const MEND = "omnivat-mend";
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
@@ -63,7 +64,19 @@ export const WORK = {
     const fresh = imagesOf(question).filter((name) => unread(question[name]));
     reading(READING);
     const wanted = ["familiar", "journey", "moving", ...(heads.length ? ["rivals"] : [])];
-    const found = await ask("pair", { ...question, with: wanted }, signal).finally(() => reading(undefined));
+    let early = 0;
+    // on a busy server the rest follows later
+    const begun = (/** @type {Predicted} */ answer) => {
+      early = setTimeout(() => {
+        reading(undefined);
+        send("predicted", { answer, question, moving: answer.linear ? null : { answer, question } });
+      }, SOON);
+    };
+    signal.addEventListener("abort", () => clearTimeout(early));
+    const found = await ask("pair", { ...question, with: wanted }, signal, [], begun).finally(() => {
+      clearTimeout(early);
+      reading(undefined);
+    });
     const { familiar, journey, moving, rivals, ...answer } = found;
     const there = "problem" in journey ? null : journey;
     map?.(there, "problem" in journey ? journey.problem : "");

@@ -34,6 +34,7 @@ export async function attempt(act, say) {
 const CLOSED = "The server closed the connection. Try again.";
 const AWAY = "A file of this page did not arrive. Check the connection and try again.";
 const LARGE = 200_000; // bytes of a reply that takes seconds on a slow line
+const NEWLINE = 10;
 const PAUSE = 2000; // milliseconds between two looks whether the server is back
 const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
 
@@ -76,11 +77,12 @@ async function waited() {
   }
 }
 
-/** The body of a response. A large one tells its path and the share that has arrived.
- * @param {Response} response @param {string} path */
-async function bodyOf(response, path) {
+/** The body of a response. A large one tells its path and the share that has arrived; `begun` gets the first line of
+ * one that is sent in lines of JSON, once it is there.
+ * @param {Response} response @param {string} path @param {Sent["begun"]} begun */
+async function bodyOf(response, path, begun) {
   const total = Number(response.headers.get("Content-Length"));
-  const reader = total > LARGE && response.body?.getReader();
+  const reader = (total > LARGE || begun) && response.body?.getReader();
   if (!reader) return response.blob();
   /** @type {BlobPart[]} */
   const parts = [];
@@ -88,7 +90,9 @@ async function bodyOf(response, path) {
     const { done, value } = await reader.read();
     if (done) return new Blob(parts);
     parts.push(/** @type {BlobPart} */ (value));
+    if (begun && value.includes(NEWLINE)) begun(linesIn(await new Blob(parts).text())[0]);
     size += value.length;
+    if (!total) continue;
     const detail = { path, share: Math.min(1, size / total) };
     document.dispatchEvent(new CustomEvent("omnivat:arriving", { detail }));
   }
@@ -97,12 +101,12 @@ async function bodyOf(response, path) {
 /** Send a request to the server, and again once the server is back if the connection is lost. Whoever reads a body
  * while it comes (`whole` is false) sends the request again if it ends midway.
  * @param {string} path @param {Sent} [options] */
-async function sent(path, { whole = true, ...options } = {}) {
+async function sent(path, { whole = true, begun, ...options } = {}) {
   for (let again = false; ; again = true) {
     try {
       const response = await fetch(address(path), options);
       // a connection is also lost midway
-      return whole ? new Response(await bodyOf(response, path), response) : response;
+      return whole ? new Response(await bodyOf(response, path, begun), response) : response;
     } catch (error) {
       if (isCancelled(error)) throw error;
       returning ??= waited();
@@ -129,7 +133,10 @@ function unheld(error) {
   throw isCancelled(error) || error instanceof Refusal ? error : new Refusal(AWAY);
 }
 
-/** @typedef {RequestInit & {whole?: boolean}} Sent */
+/** @param {string} text @returns {any[]} */
+const linesIn = (text) => text.split("\n").flatMap((line) => (line ? [JSON.parse(line)] : []));
+
+/** @typedef {RequestInit & {whole?: boolean, begun?: (first: any) => void}} Sent */
 /** The response to a path. @param {string} path @param {Sent} [options] */
 export async function get(path, options) {
   const request = held ? respond(held, path, options).catch(unheld) : sent(path, options);
@@ -137,12 +144,12 @@ export async function get(path, options) {
 }
 
 /** The response to a question or a file. @param {string} path @param {object | Blob} content
- * @param {AbortSignal} [signal] */
-function post(path, content, signal) {
+ * @param {AbortSignal} [signal] @param {Sent["begun"]} [begun] */
+function post(path, content, signal, begun) {
   const file = content instanceof Blob && content;
   /** @type {HeadersInit} */
   const headers = file ? {} : { "Content-Type": "application/json" };
-  return get(path, { method: "POST", body: file || JSON.stringify(content), headers, signal });
+  return get(path, { method: "POST", body: file || JSON.stringify(content), headers, signal, begun });
 }
 
 /** @template Reply @param {Promise<Response>} response @returns {Promise<Reply>} */
@@ -235,21 +242,23 @@ function packed({ anew, ...question }, attached) {
   };
 }
 
-/** @param {string} path @param {object} question @param {Blob[]} files @param {AbortSignal} [signal] */
-function withFiles(path, question, files, signal) {
-  if (!files.length) return post(path, question, signal);
+/** @param {string} path @param {object} question @param {Blob[]} files @param {AbortSignal} [signal]
+ * @param {Sent["begun"]} [begun] */
+function withFiles(path, question, files, signal, begun) {
+  if (!files.length) return post(path, question, signal, begun);
   const parts = [new Blob([JSON.stringify(question)]), ...files];
   const address = `${path}${path.includes("?") ? "&" : "?"}sizes=${parts.map(({ size }) => size)}`;
-  return post(address, new Blob(parts), signal);
+  return post(address, new Blob(parts), signal, begun);
 }
 
 /** Send a question, and the pictures that come with it; what was read in those is kept.
- * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
-async function posted(path, question, signal, attached = []) {
+ * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached]
+ * @param {Sent["begun"]} [begun] */
+async function posted(path, question, signal, attached = [], begun = undefined) {
   const { sent, blobs, fresh, mend, lit } = packed(whole(path, question), attached);
-  const response = await withFiles(path, sent, blobs, signal);
-  if (!blobs.length) return response;
-  const { pictures, problem, ...reply } = await response.json();
+  const response = await withFiles(path, sent, blobs, signal, begun);
+  if (!blobs.length && !begun) return response;
+  const { pictures = [], problem, ...reply } = Object.assign({}, ...linesIn(await response.text()));
   /** @type {string[]} */
   const broken = [];
   /** @type {Parameters<typeof visit.seen>[0]} */
@@ -268,13 +277,16 @@ async function posted(path, question, signal, attached = []) {
 }
 
 /** Send a request; if the server has lost the profile, send that again first; if another encoder has read its pictures,
- * send those again. @template {string} Path @param {Path} path @param {Question} question @param {AbortSignal} [signal]
- * @param {Blob[]} [attached] @returns {Promise<ReplyTo<Path>>} */
-export const ask = (path, question, signal, attached) => replied(answered(path, question, signal, attached));
+ * send those again. `begun` gets what is there first of a reply in two lines.
+ * @template {string} Path @param {Path} path @param {Question} question @param {AbortSignal} [signal]
+ * @param {Blob[]} [attached] @param {(first: ReplyTo<Path>) => void} [begun] @returns {Promise<ReplyTo<Path>>} */
+export const ask = (path, question, signal, attached, begun) =>
+  replied(answered(path, question, signal, attached, begun));
 
-/** @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached] */
-async function answered(path, question, signal, attached) {
-  const send = () => posted(path, question, signal, attached);
+/** @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached]
+ * @param {Sent["begun"]} [begun] */
+async function answered(path, question, signal, attached, begun) {
+  const send = () => posted(path, question, signal, attached, begun);
   try {
     return await send();
   } catch (error) {
