@@ -123,7 +123,8 @@ def test_heights_are_in_millimetres_by_one_known_height():
         with_known_height(found, touch, pixel=0.05, height=0)
     known = with_known_height(found, touch, pixel=0.05, height=0.4)
     millimetres = heights(touch, known, pixel=0.05, dots="keep")
-    assert millimetres.dtype == np.float32 and np.median(millimetres) == 0
+    assert millimetres.dtype == np.float32
+    assert abs(np.median(millimetres)) < 1e-9  # of an even count it is a mean, and rounded
     assert np.quantile(millimetres, 0.999) == pytest.approx(0.4, rel=1e-4)
     assert np.corrcoef(millimetres.ravel(), ball.ravel())[0, 1] > 0.9
     larger = heights(touch.repeat(2, 0).repeat(2, 1), known, pixel=0.025, dots="keep")
