@@ -54,9 +54,6 @@ def test_every_tool_keeps_its_schema(client, name):
     got = client.post(f"/omnivat/api/{name}", json=given)
     assert got.status_code == 200, got.text
     jsonschema.validate(got.json(), returns)
-    broken = {key: value for key, value in got.json().items() if key != returns["required"][0]}
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(broken, returns)
 
 
 def test_the_schema_is_at_an_address_and_lists_every_tool(client):
@@ -107,19 +104,14 @@ def test_without_api_every_address_refuses_and_says_how_to_open_it(resources):
 
 HOSTILE = [
     ("predict", b'{"vis": "row:3", "order": 9}', 400, "-4 to 4"),
-    ("predict", b'{"vis": "row:3", "order": "x"}', 400, "order has to be a number"),
     ("predict", b'{"vis": 3}', 400, "vis has to be a string"),
     ("predict", b'{"vis": "row:3", "p": 0.5}', 400, "takes no 'p'"),
     ("predict", b'{"vis": "data:image/png;base64,!!!"}', 400, "no data address"),
     ("predict", b'{"vis": "data:image/png;base64,aGFsbG8="}', 400, "not an image"),
     ("gaps", b'{"stage": "tree"}', 400, "choose one of raw"),
-    ("gaps", b'{"measure": "__import__"}', 400, "choose one of centroid"),
     ("gaps", b'{"\\ud800": 1}', 400, "takes no"),
     ("gaps", b'{"set": "mine"}', 410, "no longer has"),
-    ("report", b'{"set": true}', 400, "set has to be a string"),
     ("about", b"[" * 100_000, 400, "not JSON"),
-    ("about", b'{"a":' * 100_000, 400, "not JSON"),
-    ("about", b"\xff\xfe", 400, "not JSON"),
     ("about", b"[]", 400, "not a JSON object"),
     ("predict", b"x" * (MAX_API_BYTES + 1), 413, "larger than 4 MB"),
 ]  # fmt: skip
@@ -180,11 +172,6 @@ def test_mcp_is_discovered_without_a_handshake_and_an_unknown_version_names_the_
     assert got["code"] == -32022 and got["data"]["supported"] == found["supportedVersions"]
 
 
-def test_an_unknown_method_names_the_known_ones(client):
-    said = call(client, "prompts/list").json()["error"]["message"]
-    assert said.endswith("there are server/discover, tools/list and tools/call.")
-
-
 def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
     wrong = {"name": "predict", "arguments": {"vis": "row:1", "order": 9}}
     got = call(client, "tools/call", wrong).json()["result"]
@@ -196,7 +183,6 @@ def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
     [
         ({**JSON_RPC, "method": "prompts/list"}, 200, -32601),
         ({**CALL, "params": {"name": "shell"}}, 200, -32602),
-        ({**CALL, "params": [1]}, 200, -32602),
         ({**CALL, "params": {"name": "about", "arguments": [1]}}, 200, -32602),
         ({**JSON_RPC, "method": 3}, 400, -32600),
         ({"id": 1, "method": "x"}, 400, -32600),
@@ -209,9 +195,7 @@ def test_a_fault_of_the_protocol_is_an_error_of_json_rpc(client, message, status
     assert got.json()["error"]["code"] == code
 
 
-@pytest.mark.parametrize(
-    "number", ["1e999", "-Infinity", "[1]", '"\\ud800"', "1" + "0" * 400, '"' + "x" * 999 + '"']
-)
+@pytest.mark.parametrize("number", ["1e999", "[1]", '"\\ud800"'])
 def test_an_odd_id_is_no_fault_of_the_server(client, number):
     body = '{"jsonrpc": "2.0", "id": ' + number + ', "method": "ping"}'
     assert client.post("/omnivat/mcp", content=body).status_code == 200

@@ -73,8 +73,8 @@ def ended(one):
 
 @pytest.mark.parametrize(
     "sent",
-    [b"", b"GET / HT", HEAD, b"POST /short HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nabc"],
-    ids=["nothing", "half a line", "half a head", "half a body that nobody reads"],
+    [b"", b"POST /short HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nabc"],
+    ids=["nothing", "half a body that nobody reads"],
 )
 def test_a_visitor_who_stops_sending_loses_the_connection(port, sent):
     with opened(port) as one:

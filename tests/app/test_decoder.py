@@ -33,7 +33,7 @@ def unused():
         yield found
 
 
-@pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF"])
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "TIFF"])
 def test_a_picture_has_the_pixels_that_the_library_reads(decoder, kind, tmp_path):
     random = np.random.default_rng(0)
     content = encoded(Image.fromarray(random.integers(0, 255, (60, 90, 3), dtype=np.uint8)), kind)
@@ -81,12 +81,10 @@ def exif_table(entries, size):
 
 HOSTILE = {
     "a PNG of 4 GB": png(36_000),
-    "a PNG of 48 megapixels": png(7000),
     "a hundred megabytes of text in a PNG": png(
         64, chunk(b"zTXt", b"a\0\0" + zlib.compress(b"x" * 10**6)) * 100
     ),
     "a table of 20,000 notes in a PNG": png(64, chunk(b"eXIf", exif_table(20_000, 200_000))),
-    "a GIF of 64 megapixels": encoded(Image.new("P", (8000, 7990)), "GIF"),
     "a TIFF of a huge tile": tiff({256: 64, 257: 64, 259: 5, 322: 65_536, 323: 65_536}),
     "a TIFF of 60,000 entries": b"II*\0" + struct.pack("<IH", 8, 60_000) + b"\0" * 999,
     "a JPEG of five thousand scans": encoded(Image.new("RGB", (64, 64)), "JPEG", progressive=True)

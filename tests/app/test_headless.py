@@ -57,15 +57,6 @@ def test_the_page_names_the_command_that_trains_a_head(foreign):
     assert found["command"] == "python -m omnivat try 'my set.safetensors'"
 
 
-def test_a_set_without_classes_is_measured(foreign):
-    resources = foreign(domains=("my-sensor",), classes=("unlabelled",))
-    frames = read_frames(resources.frames.wait().file)
-    assert np.isfinite(frames.curves["modality_gap/raw"]).all()
-    assert frames.curves["domain_gap/raw"] == frames.curves["margin/raw"] == [None]
-    with served(resources) as client:
-        assert "omnivat report" in client.get("/omnivat/fit").json()["command"]
-
-
 def test_a_head_that_fits_needs_no_remedy(resources):
     with served(resources) as client:
         assert client.get("/omnivat/fit").json() == {"problem": "", "remedy": "", "command": ""}

@@ -162,15 +162,11 @@ def event(demo, number, *values):
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
 def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gigabyte(demo, png):
     assert b"OmniVaT" in demo.until_up()
-    pair = {"vis": "row:0", "tac": "row:0"}
     sent = json.loads(demo.ask("omnivat/image?name=a.png", png()))
     for path, question in (
         ("omnivat/pair", {"vis": sent["ref"], "tac": None}),
-        ("omnivat/pair", pair),
-        ("omnivat/familiar", pair),
-        ("omnivat/tree", pair),
+        ("omnivat/pair", {"vis": "row:0", "tac": "row:0"}),
         ("omnivat/votes", {}),
-        ("omnivat/predictions", {"method": "nearest_mean"}),
     ):
         demo.ask(path, question)
     settings = {"source": "TAG-sim", "order": "gradient", "width": 16}

@@ -9,7 +9,6 @@ import pytest
 from app.shared.jobs import Jobs
 from app.shared.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import Step
 
 from .conftest import until
 
@@ -62,22 +61,6 @@ def test_a_visitor_with_one_job_does_not_wait_for_all_of_another(jobs, monkeypat
     first.future.result(60)
 
 
-def test_frames_of_one_visitor_do_not_starve_another_ones_upload(jobs):
-    first, go, there = held(jobs, visitor="many")
-    there.wait(60)
-    frames = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(4)]
-    upload = jobs.start(lambda _: None, lane="long", visitor="few", priority=1)
-    assert (upload.place, frames[0].place) == (1, 2)
-    go.set()
-    first.future.result(60)
-    upload, go, there = held(jobs, visitor="few", priority=1)  # its turn, and it goes on
-    there.wait(60)
-    more = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(2)]
-    more[0].future.result(60)
-    go.set()
-    upload.future.result(60)
-
-
 def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     slow, go, there = held(jobs, priority=5)
     there.wait(60)
@@ -88,28 +71,6 @@ def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     assert slow.state == "running"
     go.set()
     assert slow.future.result(60) == "held"
-
-
-def test_lanes_do_not_wait_for_one_another(jobs):
-    _, go, there = held(jobs)
-    there.wait(60)
-    assert jobs.start(lambda job: 1, lane="quick").future.result(60) == 1
-    go.set()
-
-
-def test_a_lane_runs_as_many_as_its_slots_and_no_more(jobs):
-    meet, inside, most = Barrier(2), [], []
-
-    def work(job):
-        inside.append(1)
-        meet.wait(60)
-        most.append(len(inside))
-        meet.wait(60)
-        inside.pop()
-
-    for job in [jobs.start(work, lane="quick") for _ in range(10)]:
-        job.future.result(60)
-    assert most == [2] * 10
 
 
 def test_the_work_of_an_owner_who_is_gone_is_stopped_running_or_waiting(jobs):
@@ -145,8 +106,6 @@ EMPTY = DataError("The set is empty; choose another.")
     "error",
     [
         ZeroDivisionError(),
-        MemoryError(),
-        UnicodeEncodeError("utf-8", "\udc80", 0, 1, "no"),
         SystemExit(3),
         EMPTY,
     ],
@@ -178,21 +137,6 @@ def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count
     with pytest.raises(BusyError, match="longer than allowed"):
         late.future.result(60)
     assert slow.future.result(60) == "held"
-
-
-def test_progress_is_seen_while_the_job_runs(jobs):
-    go, told = Event(), Event()
-
-    def work(job):
-        job.report(Step(done=1, total=3, text="epoch 1"))
-        told.set()
-        go.wait(60)
-
-    job = jobs.start(work, lane="long")
-    told.wait(60)
-    assert job.step == Step(done=1, total=3, text="epoch 1")
-    go.set()
-    job.future.result(60)
 
 
 def test_a_full_queue_refuses_in_a_sentence(jobs, monkeypatch):

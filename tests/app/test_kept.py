@@ -1,5 +1,5 @@
-"""What is saved loads again and is the same, with names in several scripts: over the library, the
-server and the command line.
+"""What is saved loads again and is the same, with names in several scripts: over the library and
+the server.
 """
 
 import json
@@ -12,14 +12,11 @@ import pytest
 import torch
 
 from app.shared.resources import Resources
-from benchmarks._fuzz_readers import READERS
-from omnivat import load_embeddings, load_head, load_profile, save_embeddings, save_profile, twins
-from omnivat.cli import main
+from omnivat import load_embeddings, load_head, load_profile, save_embeddings, save_profile
 from omnivat.data.profile import profile_of
 from omnivat.data.relief import Lamps
 from omnivat.head.checkpoint import Head, save_head
 from omnivat.head.head import OmniVaT
-from omnivat.measure.twins import write_twins
 from tests.builders import head_settings
 
 from .conftest import loaded, served
@@ -81,7 +78,7 @@ def same_lamps(one, other):
     assert bare[0] == bare[1]
 
 
-def test_the_library_keeps_every_name_and_number(kept, tmp_path):
+def test_the_library_keeps_every_name_and_number(kept):
     folder, some, head = kept
     back = load_embeddings(folder / "触.safetensors")
     assert replace(back.header, lamps={}) == replace(some.header, lamps={})
@@ -93,19 +90,6 @@ def test_the_library_keeps_every_name_and_number(kept, tmp_path):
     assert (scores(again, some) - scores(head, some)).abs().max() == 0
     assert again.settings == head.settings and again.provenance["note"] == list(CLASSES)
     same_profile(again.profile, head.profile)
-    (name, content), *_ = READERS["twins"].seeds(tmp_path).items()
-    (tmp_path / name).write_bytes(content)
-    first = twins(tmp_path / name)
-    named = replace(first, objects=CLASSES[:3], looks_like=CLASSES[3:], feels_like=CLASSES[1:4])
-    write_twins(tmp_path / "😀.npz", named)
-    second = twins(tmp_path / "😀.npz")
-    assert (second.objects, second.looks_like, second.feels_like) == (
-        CLASSES[:3],
-        CLASSES[3:],
-        CLASSES[1:4],
-    )
-    for array in ("vis", "tac", "filled", "printed"):  # a byte a value
-        assert np.abs(getattr(second, array) - getattr(first, array)).max() < 1e-6
 
 
 def test_the_server_returns_what_it_was_sent(kept, small_places, monkeypatch, encoder):
@@ -120,51 +104,23 @@ def test_the_server_returns_what_it_was_sent(kept, small_places, monkeypatch, en
         read = client.get(f"/omnivat/head.zip?set={own}").content
         same = scores(head_in(read, folder.parent / "downloaded"), some)
         assert (same - scores(head, some)).abs().max() == 0
-        lessons = [
-            {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
-            for row, label in ((1, CLASSES[3]), (2, CLASSES[3]), (9, "نحاس"), (10, "نحاس"))
-        ]
-        body = {"lessons": lessons}
-        taught = client.post(f"/omnivat/save/head?set={own}", json=body).content
-        assert "نحاس" in head_in(taught, folder.parent / "taught").settings.classes
-        zipped = client.post(f"/omnivat/save/set?set={own}", json=body).content
+        lessons = [{"vis": "row:1", "tac": "row:1", "label": CLASSES[3]}]
+        zipped = client.post(f"/omnivat/save/set?set={own}", json={"lessons": lessons}).content
         (folder.parent / "mine").mkdir()
         ZipFile(BytesIO(zipped)).extractall(folder.parent / "mine")
         (file,) = (folder.parent / "mine").rglob("*.safetensors")
         mine = load_embeddings(file)
-        assert {*mine.header.classes} == {CLASSES[3], "نحاس"}
-        assert (mine.vis == some.vis[[1, 2, 9, 10]]).all()
+        assert {*mine.header.classes} == {CLASSES[3]}
+        assert (mine.vis == some.vis[[1]]).all()
         save_profile(folder.parent / "p", head.profile)
         sent = (folder.parent / "p").read_bytes()
         name = client.post(f"/omnivat/sensor?set={own}", content=sent).json()["profile"]
         saved = client.post(f"/omnivat/save/sensor?set={own}", json={"profile": name}).content
         (folder.parent / "q").write_bytes(saved)
         same_profile(load_profile(folder.parent / "q"), head.profile)
-        more = {"photos": ["row:0"], "profile": name}
-        grown = client.post(f"/omnivat/profile?set={own}", json=more).json()["profile"]
-        saved = client.post(f"/omnivat/save/sensor?set={own}", json={"profile": grown}).content
-        (folder.parent / "q").write_bytes(saved)
-        found = load_profile(folder.parent / "q")
-        same_lamps(found.lamps, LAMPS)
-        assert (found.domain, found.step) == (DOMAINS[1], 1 / 3)
 
 
 def head_in(content, folder):
     folder.mkdir()
     ZipFile(BytesIO(content)).extractall(folder)
     return load_head(next(folder.rglob("settings.json")).parent)
-
-
-def test_commands_read_and_write_such_names(kept):
-    folder, _, head = kept
-    there = ["--embeddings", str(folder / "触.safetensors"), "--head", str(folder / "رأس")]
-    profile = folder / "ملف.safetensors"
-    made = ["profile", there[1], "--domain", DOMAINS[1], "--out", str(profile)]
-    assert main(made) == 0
-    same = load_profile(profile)
-    assert (same.channels["vis"].mean == head.profile.channels["vis"].mean).all()
-    assert same.domain == DOMAINS[1]
-    assert main(["evaluate", *there, "--profile", str(profile)]) == 0
-    told = ["teach", *there, "--domain", DOMAINS[1], "--out", str(folder / "学")]
-    assert main(told) == 0
-    assert load_head(folder / "学").settings.classes[: len(CLASSES)] == CLASSES

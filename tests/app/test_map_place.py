@@ -11,36 +11,10 @@ from app.shared.resources import Resources
 from omnivat.kit.errors import DataError
 from omnivat.maps.frames import read_frames
 
-from .conftest import own_image
-
 
 @pytest.fixture
 def with_frames(framed):
     return Resources(framed)
-
-
-@pytest.mark.parametrize("kind", ["pca", "umap"])
-@pytest.mark.parametrize(("ref", "row"), [("row:7", 7), ("example:TAG-sim/wood/0", 0)])
-def test_a_pair_of_the_set_lies_on_its_own_points_at_every_stop(with_frames, ref, row, kind):
-    frames = read_frames(with_frames.where.frames)
-    got = journey(with_frames, {"vis": ref, "tac": ref})
-    drawn = frames.maps[f"{kind}/f_hat"]
-    for at, stop in enumerate(got["stops"]):
-        where = drawn.places(drawn.orders.index(stop))
-        for name, point in (("vis", row), ("tac", row + frames.pairs)):
-            place = got["maps"][kind]["places"][name][at]
-            np.testing.assert_allclose(place, where[point], atol=1e-4)
-
-
-def test_a_picture_with_the_vector_of_a_pair_lies_where_the_pair_does(with_frames):
-    own = own_image(with_frames, with_frames.embeddings().vis[7])
-    there, sent = (
-        journey(with_frames, {"vis": ref, "tac": "row:7"})["maps"] for ref in ("row:7", own)
-    )
-    for kind in ("pca", "umap"):
-        np.testing.assert_allclose(
-            sent[kind]["places"]["vis"], there[kind]["places"]["vis"], atol=1e-3
-        )
 
 
 def test_heads_beside_the_first_have_their_own_maps_and_a_mode_needs_its_weights(framed, tmp_path):

@@ -94,14 +94,6 @@ def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):
     json.dumps(found, allow_nan=False)
 
 
-def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
-    told = explore.pairs(beside)
-    assert len(set(map(len, told.values()))) == 1
-    colours = {row["column"] for row in tables()["colours"] if "column" in row}
-    there = colours & set(beside.embeddings().rows)
-    assert set(told) == {"name", "looks_like", "feels_like", *there}
-
-
 @pytest.fixture
 def shipped(trained, monkeypatch):
     """Let the folder with the small set be the one set of the project, under the name "chirps"."""

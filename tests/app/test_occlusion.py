@@ -1,6 +1,5 @@
 """Occlusion: the parts of an image that a prediction depends on."""
 
-from io import BytesIO
 from itertools import product
 from types import SimpleNamespace
 
@@ -61,12 +60,3 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else():
     assert found["class"] == "bright"
     assert drops[0][5] == max(max(row) for row in drops) > 0.4
     assert not any(drops[row][column] for row in range(3, CELLS) for column in range(3))
-
-
-def test_an_image_of_one_colour_has_nothing_to_hide(resources):
-    with BytesIO() as handle:
-        Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        question = {"modality": "tac", "vis": "row:3", FILES: [handle.getvalue()]}
-    found = occlusion(resources, question)
-    assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
-    assert found["class"] in resources.head().settings.classes

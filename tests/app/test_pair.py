@@ -67,14 +67,6 @@ def test_an_example_outside_the_set_is_encoded_once(resources, encoder):
     assert encoder.calls == 1
 
 
-def test_the_same_image_has_the_same_numbers_and_another_one_others(resources, png):
-    first, _ = resources.take_image(png(seed=1), "a.png")
-    again, _ = resources.take_image(png(seed=1), "b.png")
-    other, _ = resources.take_image(png(seed=2), "c.png")
-    assert first == again != other
-    assert predicted(resources, {"vis": str(first)})["stops"]["vis"]
-
-
 @pytest.mark.parametrize("entry", [415, 416, 417])  # the second and third of three, and a first
 def test_a_spectrum_keeps_its_peaks_when_entries_are_joined(entry):
     magnitudes = np.zeros((3, 600), dtype=np.float32)

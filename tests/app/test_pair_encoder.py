@@ -27,27 +27,6 @@ def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
     assert seen.any() and np.array_equal(felt, 2 * seen)
 
 
-@pytest.mark.parametrize("touch", ["relief", "both"])
-def test_a_head_of_relief_reads_touches_as_relief_and_photos_as_they_are(
-    resources, encoder, png, monkeypatch, touch
-):
-    from omnivat.encoders.base import ReliefDrawn
-
-    relief = ReliefDrawn(encoder, {}, touch)
-    monkeypatch.setattr(resources, "encoder", lambda: relief)
-    head = resources.head()
-    settings = replace(head.settings, input_width=relief.width)
-    wide = SimpleNamespace(settings=settings, encoder=head.encoder)
-    monkeypatch.setattr(resources, "head", lambda: wide)
-    ref, found = resources.take_image(png(96), "a.png")
-    seen, felt = (resources.embedding(ref, name) for name in ("vis", "tac"))
-    plain = encoder.embed(encoder.preprocess(found.image)[None])[0].numpy()
-    if touch == "both":
-        (seen, zeros), (colours, felt) = np.hsplit(seen, 2), np.hsplit(felt, 2)
-        assert not zeros.any() and np.array_equal(colours, plain)
-    assert np.array_equal(seen, plain) and not np.array_equal(felt, plain)
-
-
 @pytest.mark.parametrize(
     ("picture", "mend", "passes"), [("plain", "", 1), ("plain", "fill", 1), ("dots", "", 2)]
 )

@@ -22,10 +22,8 @@ MIXED = "come from different pairs"
 NOT_FINITE = b64encode(np.full(24, np.nan, np.float32).tobytes()).decode()
 REFUSED = [
     ("pair", {}, "Choose a pair first"),
-    ("pair", {"vis": 12}, "An image is named by a short text"),
     ("pair", {"vis": "x" * 500}, "An image is named by a short text"),
     ("pair", {"vis": "file:/etc/passwd"}, "names no image"),
-    ("pair", {"vis": "row:"}, "names no image"),
     ("pair", {"vis": "row:999"}, "No pair has the number '999'; there are 0 to 79"),
     ("pair", {"vis": "example:../../../etc/passwd"}, "No example is called"),
     (
@@ -33,39 +31,38 @@ REFUSED = [
         {"vis": "row:1", "head": "ghost"},
         "No head is called 'ghost'; there are none beside the first",
     ),
-    *(("many", {"pairs": some}, "pairs") for some in ([], [{}] * (MOST_PAIRS + 1), "row:3", [3])),
+    *(("many", {"pairs": some}, "pairs") for some in ([], [{}] * (MOST_PAIRS + 1), [3])),
     ("neighbours", {"point": 4, "stage": "nowhere"}, "stage is 'nowhere'; choose one of raw"),
     ("neighbours", {**RAW, "point": 4000}, "No point has the number 4000"),
-    ("neighbours", {**RAW, "point": "4"}, "No point has the number '4'"),
     ("neighbours", {"stage": "raw"}, "No point has the number None"),
     ("ladder", {"source": "nowhere"}, "source is 'nowhere'; choose one of TAG-sim"),
     ("predictions", {"method": ["nearest_mean"]}, "choose one of nearest_mean"),
-    ("predictions", {"method": "magic"}, "method is 'magic'; choose one of"),
-    ("votes", {"head": "other"}, "No head is called 'other'"),
     ("teach", {"lessons": "all"}, "has to be a list"),
     ("teach", {"lessons": [{"vis": "row:1", "label": ""}]}, "A label is ''"),
-    ("teach", {"lessons": [{"vis": "row:1", "label": 7}]}, "A label is 7"),
     ("teach", {"lessons": [{"vis": "row:1", "label": "a" * 50}]}, "1 to 40 letters"),
     ("teach", {"lessons": LESSONS[:1] * (MOST_LESSONS + 1)}, "61 labelled pairs were sent"),
     ("teach", {"lessons": [{"label": "wood"}]}, "Choose a pair first"),
     ("teach", {"lessons": LESSONS[:1]}, "two or more pairs of each of two or more classes"),
     *(
         ("teach", {"lessons": [*LESSONS, {"vis": "row:40", "tac": tac, "label": "cork"}]}, MIXED)
-        for tac in ("row:41", "image:own", "example:TAG-sim/wood/0")
+        for tac in ("row:41", "image:own")
     ),
     ("taught", {"lessons": []}, "No pair is labelled"),
     ("save/head", {}, "No pair is labelled"),
     ("save/set", {"lessons": [{"vis": "row:1", "label": "wood"}]}, "label at least one photo"),
     *(
         ("profile", question, "pictures")
-        for question in ({}, {"photos": "image:0"}, {"touches": ["row:0"] * (MOST_AT_ONCE + 1)})
+        for question in (
+            {},
+            {"photos": "image:0"},
+            {"photos": [None]},
+            {"touches": ["row:0"] * (MOST_AT_ONCE + 1)},
+        )
     ),
     ("save/sensor", {}, "no profile of your sensor yet"),
     ("live", {"modality": "smell"}, "choose one of vis, tac, both"),
     ("live", {"modality": "both"}, "0 pictures came"),
-    ("relief", {"as": "npy"}, "0 pictures came"),
     ("card", {}, "0 pictures came"),
-    ("occlusion", {"modality": "lang"}, "choose one of vis, tac."),
     ("occlusion", {"modality": "vis"}, "0 pictures came"),
     ("occlusion", {"modality": "vis", "tac": "row:x"}, "No pair has the number 'x'"),
     ("pair", {"vis": "row:1", "with": ["everything"]}, "with has to be a list of familiar"),

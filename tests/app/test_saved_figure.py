@@ -1,7 +1,6 @@
 """Save, Interactive figure: the open view as one page."""
 
 import json
-from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -46,27 +45,11 @@ def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client, sta
         ({"stage": "nothing"}, "stage is 'nothing'; choose one of raw"),
         ({"map": "umap", "stage": "relu"}, "There is no map 'umap/relu'"),
         ({"colour": "<b>"}, "The colour is '<b>'"),
-        ({"order": "x"}, "p"),
     ],
 )
 def test_a_view_that_is_not_there_is_refused_in_one_sentence(client, view, words):
     sent = client.post("/omnivat/save/figure", json=view)
     assert sent.status_code == 400 and words in sent.json()["error"]
-
-
-def test_a_view_coloured_by_a_column_is_saved_with_its_values(framed, monkeypatch):
-    row = {"id": "state", "title": "State", "column": "worn"}
-    monkeypatch.setitem(tables(), "colours", [*tables()["colours"], row])
-    resources = Resources(framed)
-    worn = ["new", "worn", "worn", "torn"] * (len(resources.embeddings()) // 4)
-    resources.embeddings().rows["worn"] = worn
-    sent = served(resources).post("/omnivat/save/figure", json={"colour": "state"})
-    resources.shared.close()
-    assert sent.status_code == 200, sent.text
-    shown = Counter()
-    for trace in figures_of(sent.text)[0]["data"]:
-        shown[trace["name"]] += len(trace["text"])
-    assert shown == {name: 2 * count for name, count in Counter(worn).items()}
 
 
 def test_the_figures_of_an_added_mode_have_its_name_and_show_what_it_can_do(

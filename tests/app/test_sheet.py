@@ -11,7 +11,7 @@ from .conftest import served
 SHEET = "set.thumbnails.webp"
 
 
-@pytest.mark.parametrize(("files", "told"), [((), "none"), ((SHEET,), "none"), (None, "sheet")])
+@pytest.mark.parametrize(("files", "told"), [((SHEET,), "none"), (None, "sheet")])
 def test_frames_tell_whether_a_sheet_of_thumbnails_can_be_requested(
     small_places, tmp_path, files, told
 ):

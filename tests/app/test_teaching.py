@@ -67,16 +67,6 @@ def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resourc
     assert said[1] == "cork"
 
 
-def test_live_compares_a_picture_with_the_labelled_ones_once_they_are_taught(resources, png):
-    refs = [str(resources.take_image(png(seed=k), f"{k}.png")[0]) for k in range(4)]
-    lessons = [{"vis": ref, "label": name} for ref, name in zip(refs, "aabb", strict=True)]
-    plain, own = (
-        live(resources, {"modality": "vis", FILES: [png()], **one})["images"]["vis"]
-        for one in ({}, taught(resources, {"lessons": lessons}))
-    )
-    assert own["cosine"] == 1 != plain["cosine"]  # it is the first of them
-
-
 def test_after_teaching_a_picture_is_compared_with_the_visitors_own(resources):
     question = {"pairs": [{"vis": "row:41", "tac": "row:41"}]}
     after = many(resources, {**question, "lessons": LESSONS})["pairs"][0]["images"]

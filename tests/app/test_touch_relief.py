@@ -66,6 +66,5 @@ def test_one_touch_is_drawn_by_the_lamps_of_the_profile_which_the_caption_names(
 def test_too_few_and_too_many_touches_are_refused(resources, touches):
     with pytest.raises(DataError, match=r"three|3"):
         sent(resources, touches[:2], "npy")
-    for count in (0, MOST + 1):
-        with pytest.raises(DataError, match=f"{count} pictures came with the question"):
-            sent(resources, touches[:1] * count, "npy")
+    with pytest.raises(DataError, match=f"{MOST + 1} pictures came with the question"):
+        sent(resources, touches[:1] * (MOST + 1), "npy")

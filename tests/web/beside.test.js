@@ -25,8 +25,7 @@ test("only pairs that count are counted, and changes are corrected, broken or st
 
 test("the sentence says what changes from the left map to the right", () => {
   const said = `${sentence({ all: 4000, corrected: 823, broken: 86, wrong: 310 })}`;
-  assert.match(said, /<b>1,219<\/b> of 4,000 predictions change/);
-  assert.match(said, /823 corrected.*86 broken.*310 still wrong/);
+  assert.match(said, /<b>1,219<\/b> of 4,000 predictions change.*823 corrected.*86 broken.*310 still wrong/s);
   assert.match(`${sentence({ all: 0, corrected: 0, broken: 0, wrong: 0 })}`, /There are no test pairs here/);
 });
 
@@ -36,7 +35,6 @@ test("a map names both gaps, and an accuracy only where the head predicts", () =
   const shown = frames({ curves, orders: [0.5], head: { learned_order: 0.5 } });
   const words = (parts) => `${html`${parts}`}`;
   assert.match(words(gaps(shown, "f_hat", 0)), /modality gap <b>0.25.*domain gap <b>0.50/);
-  assert.match(words(gaps(shown, "raw", 0)), /modality gap <b>0.97/);
   assert.match(
     words(right(shown, "f_hat", 0)),
     /58\.9.*Measured with the loaded head.*, trained on A and tested on the same pairs\.<\/p>$/,

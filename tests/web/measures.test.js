@@ -14,10 +14,6 @@ test("accuracy of a head, in any mode, is of domains that it never saw, and its 
   }
 });
 
-test("frames without that curve have no accuracy, whatever else they hold", () => {
-  assert.equal(values(frames({ curves: { "accuracy/all": [0.9] } }), "accuracy", "f_hat"), null);
-});
-
 test("of retrained heads it is the mean over trainings, with its span", () => {
   const curves = {
     "seeds:accuracy/unseen/mean": [0.6],

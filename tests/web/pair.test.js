@@ -9,18 +9,15 @@ import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { describe } from "../../app/web/pair/own-pictures.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
-import { about } from "../../app/web/pair/rasters.js";
-import { cautionOf, cautionsOf, gainOf, readerHtml } from "../../app/web/pair/reader.js";
+import { cautionOf } from "../../app/web/pair/reader.js";
 import { roseHtml } from "../../app/web/pair/sensor.js";
 import { after, isOwn, keyOf, lessonsOf, mixed, READING, START, tallies } from "../../app/web/pair/state.js";
 import { lineHtml } from "../../app/web/pair/steps.js";
 import {
   cards,
   classTable,
-  familiarHtml,
   judged,
   liveHtml,
-  madeOf,
   rivalsHtml,
   sentence,
   spoken,
@@ -78,7 +75,6 @@ test("the list of classes and the other heads have grey columns and no figures f
   assert.deepEqual(grey, ["fused", "vis", "fused", "vis"]);
   assert.equal(html.match(/\(guess\)/g).length, 2);
   assert.match(html, /Grey figures belong to a guess/);
-  assert.doesNotMatch(String(classTable({ ...PAIR, images: { vis: { guess: false } } })), /guess/);
   const [, , own, other] = String(rivalsHtml(STRANGE, [{ ...PAIR, label: "other" }])).split("<tr>");
   for (const row of [own, other]) {
     assert.equal(row.match(/wood\?/g).length, 2);
@@ -91,14 +87,6 @@ test("a figure is read out with the prediction, and of a guess none", () => {
   assert.match(String(spoken(PAIR)), /^wood, 90/);
 });
 
-test("with one image there is no reading of both", () => {
-  const html = String(
-    cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } }, images: {} }, {}),
-  );
-  assert.match(html, /Add the photo to predict from both/);
-  assert.match(html, /class="reading none" data-reading="vis">.*This pair has no photo/);
-});
-
 test("a prediction is judged by the class of the images that it used; a visitor's picture has none", () => {
   const apart = { vis: "wood", tac: "steel" };
   for (const [used, truths, words] of [
@@ -106,11 +94,9 @@ test("a prediction is judged by the class of the images that it used; a visitor'
     [["tac"], apart, /it is steel/],
     [["vis", "tac"], apart, /follows the photo/],
     [["vis"], { vis: "cork" }, /a class that the head does not know/],
-    [["tac"], { vis: "", tac: "wood" }, /correct/],
     [["vis", "tac"], { vis: "", tac: "wood" }, /^null/],
   ])
     says(judged({ label: "wood", used }, truths, CLASSES), words);
-  says(madeOf(apart), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
@@ -118,14 +104,9 @@ test("familiarity is said in words and as a share of the training images", () =>
   for (const [about, words] of [
     [image, /^Unlike the training photos: only 1 of 100 is more unusual\.$/],
     [{ words: "familiar", quantile: 0.08 }, /^Similar to the training photos, but only just: 8 of 100 are/],
-    [{ words: "familiar", quantile: 0.25 }, /^Similar to the training photos: 25 of 100 are more unusual\.$/],
-    [{ words: "familiar", quantile: 1, cosine: 1 }, /one of the training photos/],
     [{}, /has no record/],
   ])
     says(sentence("vis", about), words);
-  const near = { images: { vis: { nearest: [{ pair: 1, cosine: 0.5 }] } }, of: "A" };
-  const html = familiarHtml(near, { vis: image }, { frames: frames(), sprite: null });
-  says(html, /<i class="wrong" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
 });
 
 test("each reading is counted over the pairs that had its images", () => {
@@ -142,7 +123,6 @@ test("the line names the next step: teaching waits for two pairs of each of two 
   for (const [tab, words] of [
     [{}, /<li aria-current="step">Drop/],
     [OWN, /<li aria-current="step">Label.*or make a profile/],
-    [{ ...OWN, counts: { tac: 5 } }, /So far: none yet/],
     [{ pairs: LABELLED }, /✓ See<\/li><li aria-current="step">Label.*So far: wood 1, steel 1/],
     [{ pairs: [...LABELLED, ...LABELLED] }, /<li aria-current="step">Teach.*Teach the head your 4 pairs\.</],
   ])
@@ -155,7 +135,6 @@ test("a gain stands as it was measured, and none of another head than the one th
   const line = (more, third = measured) =>
     lineHtml({ ...START, pairs: [...LABELLED, ...LABELLED], rungs: [nothing, third], ...more });
   says(line({}), /On simulated sensors three labels a class raise accuracy by 12\.5 points \(this head\)\./);
-  says(line({ simulated: false }), /On the unseen sensors three/);
   for (const other of [line({ head: "own" }), line({}, { ...measured, from: "records" })])
     assert.doesNotMatch(String(other), /raise/);
 });
@@ -165,8 +144,6 @@ test("a pair labelled again keeps its last label", () => {
   const { pairs } = tabAfter({ pairs: LABELLED }, again).tab;
   assert.equal(pairs.length, 2);
   assert.equal(pairs.at(-1).label, "steel");
-  const fewer = tabAfter({ pairs: LABELLED }, again, ["forgotten", { key: keyOf(LABELLED[1]) }]).tab.pairs;
-  assert.deepEqual(fewer, [pairs.at(-1)]);
 });
 
 test("labels at the ends of lines stay inside the chart and apart", () => {
@@ -183,12 +160,10 @@ test("a pair of two origins is mixed, and no visitor's pair", () => {
   const [photo, touch, example, row] = ["image:a", "image:b", "example:x/y/z", "row:3"];
   for (const [vis, tac, ...wanted] of [
     [photo, example, true, false],
-    [row, photo, true, false],
     [row, example, true, false],
     [row, row, false, false],
     [photo, touch, false, true],
     [null, touch, false, true],
-    [null, null, false, false],
   ])
     assert.deepEqual([mixed({ vis, tac }), isOwn({ vis, tac })], wanted);
 });
@@ -198,7 +173,6 @@ test("a picture is called by its pair of the set, by its example or by its file"
   const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() }, sent };
   for (const [ref, text, truth = ""] of [
     ["image:f00", "a.png · 3 × 2"],
-    ["image:7", "A picture from an earlier visit"],
     ["row:1", "pair 1 · steel · B", "steel"],
     ["row:2", "This set has no pair 2."],
     ["example:x/y", "wood · A", "wood"],
@@ -214,7 +188,6 @@ test("pictures nearer to the other side are questioned only if all of them are",
     [{ vis: far, tac: far }, /Are photo and touch swapped\?/],
     [{ vis: far, tac: near }, /^null/],
     [{ vis: far }, /Is this a touch\?/],
-    [{}, /^null/],
   ])
     says(swapHtml(images, OWN), words);
 });
@@ -262,13 +235,8 @@ test("a CSV whose paths name one file twice, or a file that another shares its n
   const [photo, touch] = ["visual", "tactile"].map((folder) => ({ path: `set/${folder}/7.png`, file: folder }));
   assert.deepEqual(paired([photo, touch], table, []).pairs[0].tac, "tactile");
   const bare = { path: "7.png", file: "bare" };
-  const once = paired([bare], table, []);
-  assert.deepEqual(once.pairs, []);
-  assert.match(
-    once.problem,
-    /'visual\/7.png' and 'tactile\/7.png' of the CSV would be one file, 7.png. Choose the folder/,
-  );
-  assert.match(paired([bare, bare], table, []).problem, /'visual\/7.png' of the CSV can be 7.png or another file/);
+  assert.match(paired([bare], table, []).problem, /would be one file, 7.png/);
+  assert.match(paired([bare, bare], table, []).problem, /can be 7.png or another file/);
   assert.match(paired([bare], "vis,tac\n7.png,7.png\n", []).problem, /7.png as photo and as touch/);
 });
 
@@ -293,15 +261,7 @@ test("parts that change nothing are not shown", () => {
   const nothing = [[0.004, -0.001]];
   assert.equal(changed(nothing).any, false);
   says(explained({ class: "wood", drops: nothing }), /no single part matters/);
-  says(
-    explained({ class: "<wood>", drops: [[0.2, 0]], taught: true }),
-    /taught<\/b> <b>&lt;wood&gt;<\/b>: orange parts support <i>&lt;wood&gt;<\/i>\. Hiding .* by at most 20/,
-  );
-});
-
-test("uniform attention is a sentence", () => {
-  assert.match(about(8, 0.001), /Nothing to see: each of the 8 tokens gets the uniform 12\.5\s%/);
-  assert.match(about(8, 0.2), /Rows attend to columns/);
+  says(explained({ class: "wood", drops: [[0.2, 0]], taught: true }), /Hiding .* by at most 20/);
 });
 
 test("the band is what the head was trained for", () => {
@@ -311,18 +271,12 @@ test("the band is what the head was trained for", () => {
       [0.496, 0.504],
       [0.496, 0.504],
     ], // D = 512, from the frames
-    [
-      [0.01, 0.01],
-      [-0.02, 0.04],
-      [0, 0.04],
-    ],
     [[0.5, 0.5], null, null],
     [[0, 1], null, [0, 1]],
   ])
     assert.deepEqual(band(span, fits), wanted);
   for (const [span, linear, words] of [
     [[0.5, 0.5], false, /chance \(50/],
-    [[0, 1], false, /trained for all values of p/],
     [[0.5, 0.5], true, /no part/],
   ])
     says(aboutP({ learned: 0.5, span, classes: CLASSES, linear }), words);
@@ -343,7 +297,6 @@ test("a frame that differs from the no-contact picture by more than its noise is
 
 test("crops keep a 4:3 middle or cut the border", () => {
   for (const [crop, size, kept] of [
-    ["4:3", [640, 480], [640, 480]],
     ["4:3", [1280, 720], [960, 720]],
     ["border", [100, 50], [70, 35]],
   ])
@@ -365,8 +318,6 @@ test("the curve of labels draws every count, and one count only says what is mis
   const points = [1, 2, 5].map((objects) => ({ objects, right: 0.1 * objects, low: 0, high: 0.6 }));
   const html = String(curveHtml({ points, words: "F<1>" }));
   assert.match(html, /1: 10\s%, 2: 20\s%, 5: 50\s%/);
-  assert.match(html, /5 objects a class/);
-  assert.match(html, /F&lt;1&gt;/);
   assert.doesNotMatch(String(curveHtml({ points: points.slice(0, 1), words: "Label" })), /svg/);
 });
 
@@ -385,14 +336,8 @@ test("own pictures are read by the head for them, and nothing else is", () => {
   }
 });
 
-test("the page says what unlabelled pictures bring, and which head reads", () => {
-  assert.match(gainOf(FACTS), /raises accuracy from 70\.0\u00a0% to 75\.0\u00a0%/);
-  says(readerHtml(FACTS, true, "A"), /trained on all simulated sensors/);
-  says(readerHtml(FACTS, false, "A"), /trained on A only/);
-});
-
 test("a reading of own pictures carries what its head read right on real pairs, with or without a profile", () => {
-  const tested = { ...FACTS.real, "as they come": { fused: 12, vis: 10, tac: 1 } };
+  const tested = { ...FACTS.real, "as they come": { fused: 12, vis: 10, tac: 1 } }; // of the other head
   const tab = { ...START, ...OWN, answer: PAIR, classes: CLASSES, facts: FACTS, tested };
   const card = (more) => String(verdictHtml({ ...tab, ...more })).split('data-reading="tac"')[1];
   assert.match(card({ head: "own" }), /At chance: do not trust this.*correct for 3;.*for 10\./);
@@ -403,15 +348,9 @@ test("a reading of own pictures carries what its head read right on real pairs, 
     assert.doesNotMatch(card(more), /trust/);
   assert.doesNotMatch(String(cautionOf(tab, { reading: "fused", used: ["vis", "tac"], guess: false })), /At chance/);
   assert.equal(cautionOf(tab, { reading: "fused", used: ["vis", "tac"], guess: true }), null);
-  assert.match(String(spoken(PAIR, (said) => cautionOf({ ...tab, head: "own" }, said))), /At chance/);
-  assert.match(
-    String(liveHtml({ ...PAIR, readings: PAIR.exact.readings }, (said) => cautionOf({ ...tab, head: "own" }, said))),
-    /At chance/,
-  );
-  assert.match(
-    String(cautionsOf({ ...tab, head: "own" })),
-    /for 9 with both images, for 9 with the photo only, for 3 with the touch only/,
-  );
+  const caution = (said) => cautionOf({ ...tab, head: "own" }, said);
+  for (const shown of [spoken(PAIR, caution), liveHtml({ ...PAIR, readings: PAIR.exact.readings }, caution)])
+    says(shown, /At chance/);
 });
 
 const SHOWN = { vis: "row:0", tac: "row:0", answer: PAIR, classes: CLASSES };
@@ -451,7 +390,6 @@ test("a picture that cannot be read leaves the pair before it, or the other new 
     [[null, "image:y"], "'x.png' is no picture.", { predict: {} }],
   );
   const read = after(both, "seen", { "image:x": { width: 8, height: 8, preview: "data:" } }).tab;
-  assert.deepEqual(read.sent["image:x"], { name: "x.png", src: "data:", width: 8, height: 8 });
   assert.deepEqual(pairOf(after(read, "failed", "The head is gone.").tab), ["image:x", "image:y"]);
 });
 
@@ -464,7 +402,6 @@ test("a label waits until uploads and predictions are there, and goes to no exam
   const upload = tabAfter(OWN, ["dropped", { modality: "vis", files: [{ path: "x.png", file }] }]).next;
   assert.deepEqual(upload, { upload: { modality: "vis", file } });
   const sending = tabAfter(OWN, ["doing", { vis: READING }]).tab;
-  says(ownHtml(sending), /data-label="wood" disabled/);
   assert.deepEqual(after(sending, "answered", { label: "wood" }).next, {});
 });
 
@@ -476,7 +413,6 @@ test("teaching predicts the pair and the table again, and another label takes it
   const fewer = after(tab, "forgotten", { key: keyOf(LABELLED[1]) });
   assert.deepEqual([fewer.tab.taught, fewer.tab.report, Object.keys(fewer.next)], [false, null, ["predict", "rows"]]);
   assert.deepEqual(fewer.halt, ["curve"]);
-  assert.deepEqual(after({ ...tab, taught: false }, "forgotten", { key: "" }).next, {});
   assert.deepEqual(lessonsOf(fewer.tab), {});
 });
 
@@ -502,8 +438,6 @@ test("many pairs are read in turn, the first opens in place of an example, and n
   const stopped = tabAfter(SHOWN, ...begun, ["stopped"]);
   says(manyHtml(stopped.tab), / Cancelled after 2 of 3 pairs. 1 picture left out\./);
   assert.deepEqual([pairOf(stopped.tab), stopped.halt], [pairOf(SHOWN), ["read"]]);
-  const none = after(stopped.tab, "closed", {});
-  assert.deepEqual([manyHtml(none.tab), none.halt], [null, ["read", "rows"]]);
 });
 
 test("a label of the table is counted at once, and a new prediction keeps labels and what was not read", () => {
@@ -514,16 +448,6 @@ test("a label of the table is counted at once, and a new prediction keeps labels
   );
   const { rows } = after(tab, "rowsPredicted", [row("a", { said: { vis: "steel" } })]).tab;
   assert.deepEqual([rows[0].label, rows[0].said.vis, rows[1].problem], ["wood", "steel", "No."]);
-  const taught = after(tab, "rowsTaught", {});
-  assert.deepEqual([taught.next, taught.tab.pairs.length], [{ teach: {} }, 1]);
-});
-
-test("labels of the table are counted with a line on where the count comes from", () => {
-  const rows = [{ ...READ[0], classes: CLASSES, label: "wood" }];
-  const html = String(manyHtml({ ...START, rows, source: "A" }));
-  assert.match(html, /1 pair: 0 guesses.*Correct with the photo only: 1 of 1\./s);
-  assert.match(html, /head before teaching, trained on A and tested on 1 labelled of your 1 pair\./);
-  assert.doesNotMatch(String(manyHtml({ ...START, rows: READ })), /before teaching/);
 });
 
 test("a profile is kept, followed by the pair and the table, and dropped without a trace", () => {
@@ -543,7 +467,6 @@ test("a second click on a remedy takes it back, and a profile of touches as they
   const both = after(tab, "mended", { word: "half-turn" }).tab;
   assert.equal(both.mend, "bgr half-turn");
   assert.equal(after(both, "mended", { word: "bgr" }).tab.mend, "half-turn");
-  assert.equal(after(both, "mended", {}).tab.mend, "");
 });
 
 test("the first touch of a card takes an example's place, and no own pair's", () => {

@@ -8,7 +8,6 @@ import { speakOfSignals } from "../../app/web/pair/parts.js";
 import { cards } from "../../app/web/pair/verdict.js";
 import { card } from "../../app/web/shared/card.js";
 import { explained, isStill, stageNamed } from "../../app/web/shared/stages.js";
-import { TABLES } from "../../app/web/shared/tables.js";
 import { frames, says } from "./browser.js";
 
 const SIGNALS = frames({
@@ -21,10 +20,6 @@ test("a set of signals has neither photos nor sensors", () => {
   says(card(frames(), null, -1, 0, false), /A photo and a touch/);
   says(modeWords(SIGNALS), /two recordings of one signal/);
   assert.doesNotMatch(`${modeWords(frames())}`, /signal/);
-});
-
-test("no step of the head is said to move gaps in a way that only some sets show", () => {
-  for (const stage of TABLES.stages) assert.doesNotMatch(stage.help, /are apart|together\. The classes/);
 });
 
 test("flat gaps of the transform are claimed only where the frames have one map of it, in whatever mode", () => {
