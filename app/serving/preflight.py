@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from app.shared.limits import DRAWN_PAIRS
+from app.shared.places import head_in
+from omnivat.head.heads import SET
 from omnivat.kit.config import whole
 from omnivat.kit.errors import DataError, SettingsError
 
@@ -26,7 +28,8 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     """Return the command line of `python app.py`; a hosting service sets defaults by `environ`."""
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     add, hosted = parser.add_argument, bool(environ.get(NAME) or environ.get(FRAMED))
-    add("--head", type=Path, help="folder of a trained head")
+    text = "folder of a trained head, or one that `omnivat try` wrote, which is shown with its set"
+    add("--head", type=Path, metavar="DIR", help=text)
     add("--embeddings", type=Path, help="embeddings file to show")
     add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
@@ -61,10 +64,17 @@ def keeps_nothing(environ: Mapping[str, str]) -> bool:
     return bool(environ.get(NAME) or environ.get(FRAMED)) and not environ.get("OMNIVAT_CACHE")
 
 
-def require_files(chosen: argparse.Namespace) -> None:
-    """Raise DataError for a named head or set that does not exist, or a profile that does not
-    load.
+def find_files(chosen: argparse.Namespace) -> None:
+    """Put heads and a set in the place of folders that `omnivat try` wrote.
+
+    Raises DataError for a head or set that does not exist, or a profile that does not load.
     """
+    beside = chosen.head and chosen.head / SET
+    if chosen.head and head_in(chosen.head) != chosen.head:
+        chosen.head = head_in(chosen.head)
+        if chosen.embeddings is None and beside.is_file():
+            chosen.embeddings = beside
+    chosen.compare = [head_in(folder) for folder in chosen.compare]
     if chosen.profile is not None:
         from omnivat.data.profile_file import load_profile
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from app.serving.guard import Guard, alone, rules, warning
 from app.serving.light import light_imports
-from app.serving.preflight import free_port, keeps_nothing, parser, require_files
+from app.serving.preflight import find_files, free_port, keeps_nothing, parser
 from app.shared.components import FIRST, VIEWS, WEB, component, first, head, needed, styles, theme
 from app.shared.memory import share_arenas
 from app.shared.scratch import sweep
@@ -140,12 +140,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     share_arenas()
     start_log()
-    from app.shared.places import head_in, places
+    from app.shared.places import places
     from app.shared.resources import Resources, Shared
 
     try:
-        chosen.compare = [head_in(folder) for folder in chosen.compare]
-        require_files(chosen)
+        find_files(chosen)
         chosen.port = free_port(chosen.host, chosen.port)
     except OmniVatError as error:
         print(f"app.py: {error}", file=sys.stderr)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.serving.preflight import parser
+from app.serving.preflight import find_files, parser
 from app.serving.server import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,3 +53,19 @@ def test_a_head_or_set_that_is_not_there_is_refused_in_a_sentence(capsys, tmp_pa
     assert "No head at" in refusal(capsys, "--head", tmp_path / "none")
     assert "No head at" in refusal(capsys, "--compare", tmp_path)
     assert "No embeddings file" in refusal(capsys, "--embeddings", tmp_path / "none")
+
+
+def test_a_folder_that_try_wrote_is_its_head_with_its_set_unless_another_is_named(tmp_path):
+    for name in ("head/settings.json", "set.safetensors", "other.safetensors"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    for more, shown in (
+        ((), "set"),
+        (("--embeddings", str(tmp_path / "other.safetensors")), "other"),
+    ):
+        chosen = parser().parse_args(["--head", str(tmp_path), *more])
+        find_files(chosen)
+        assert (chosen.head, chosen.embeddings.stem) == (tmp_path / "head", shown)
+    chosen = parser().parse_args(["--head", str(tmp_path / "head")])
+    find_files(chosen)
+    assert chosen.embeddings is None
