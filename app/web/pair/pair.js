@@ -77,7 +77,7 @@ const PARTS = {
   },
   ".familiar": ({ answer, familiar, set, question, ...pair }) => {
     if (!answer) return null;
-    if (!familiar) return undefined;
+    if (!familiar) return hint("Looking for the nearest training images…");
     if ("problem" in familiar) return hint(familiar.problem);
     const looks = familiarHtml(familiar, answer.images, set, Boolean(question?.lessons));
     return html`${!set.frames?.signals && swapHtml(familiar.images, pair)}${looks}`;
@@ -85,7 +85,7 @@ const PARTS = {
   ".own": ownHtml,
   ".rivals": ({ answer, rivals, heads }) => {
     if (!answer || !heads.length) return null;
-    return rivals ? rivalsHtml(answer, rivals) : undefined;
+    return rivals ? rivalsHtml(answer, rivals) : hint("Reading this pair by the other heads…");
   },
   ".aloud": (tab) => (tab.answer ? html`${spoken(tab.answer, (said) => cautionOf(tab, said))}` : undefined),
 };

@@ -69,6 +69,7 @@ export const WORK = {
     const begun = (/** @type {Predicted} */ answer) => {
       early = setTimeout(() => {
         reading(undefined);
+        map?.(null, "Placing this pair on the map…");
         send("predicted", { answer, question, moving: answer.linear ? null : { answer, question } });
       }, SOON);
     };
