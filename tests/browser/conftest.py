@@ -223,15 +223,15 @@ def watched(page, address, problems):
 def new_page(chromium, desktop, address):
     """Return a maker of empty pages; afterwards checks that nothing went wrong unseen.
 
-    Options such as a size of the window (width, height) give the page a profile of its own.
+    Options, but not a size of the window (width, height), give the page a profile of its own.
     """
     pages = []
     problems = []
 
     def made(size=None, **options):
-        if size:
-            options["viewport"] = dict(zip(("width", "height"), size, strict=True))
         page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
+        if size:
+            page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
         if not pages:  # what another journey left, such as its trainings, is forgotten
             kept = {"origin": address.rstrip("/"), "storageTypes": "local_storage"}
             page.context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
@@ -245,8 +245,8 @@ def new_page(chromium, desktop, address):
 
 
 @pytest.fixture(scope="module")
-def visited(desktop, address):
-    """Return one page for the journeys of a file, which go from address to address in it."""
+def one_page(desktop, address):
+    """Return the page of a file."""
     problems = []
     page = watched(desktop.new_page(), address, problems)
     page.goto(address, wait_until="commit")
@@ -254,6 +254,17 @@ def visited(desktop, address):
     yield page
     page.close()
     assert problems == []
+
+
+@pytest.fixture
+def visited(one_page):
+    """Return one page for the journeys of a file, which go from address to address in it; with the
+    window of a desk, whatever the journey before made of it.
+    """
+    one_page.held = False
+    one_page.set_viewport_size(DESK["viewport"])
+    one_page.emulate_media(media="screen", forced_colors="none")
+    return one_page
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from urllib.parse import parse_qsl, urlsplit
 
-import numpy as np
 import pytest
 
 from app.shared.frame_parts import part_of
@@ -41,9 +40,9 @@ READ = """async ({ stops, stages }) => {
 }"""
 
 
-def test_a_drag_asks_nothing_of_the_server_and_the_figures_are_those_of_its_stop(open_page):
+def test_a_drag_asks_nothing_of_the_server_and_the_figures_are_those_of_its_stop(visit):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?mode=moved&map=pca&vis=row:0&tac=row:0", MAP)
+    page = visit("?mode=moved&map=pca&vis=row:0&tac=row:0", MAP)
     for view, shown in (("pair", ".reading"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
@@ -68,7 +67,7 @@ def test_a_drag_asks_nothing_of_the_server_and_the_figures_are_those_of_its_stop
     assert shown == f"{gaps[p_shown(page)]:.3f}"
 
 
-def test_every_stop_is_what_the_library_computes_now(open_page):
+def test_every_stop_is_what_the_library_computes_now(visit):
     """The browser's own decoding against the head run again, not against the file."""
     import torch
 
@@ -79,7 +78,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page):
     from omnivat.maps.projection.torch_umap import aligned
     from omnivat.maps.sweep import walk
 
-    page = open_page("?chapter=analyse", MAP)
+    page = visit("?chapter=analyse", MAP)
     decoded = page.evaluate(READ, {"stops": STOPS, "stages": STAGES})
     frames = read_frames(EXAMPLES / "frames.bin")
     head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
@@ -168,38 +167,51 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     assert page.get_attribute(MAP, "data-order") == str(float(p_shown(page)))
 
 
-def touches(session, kind, *at):
-    """Send one touch event with a finger at each place."""
-    fingers = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(at)]
-    session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+AT_REST = """() => new Promise((done) => {
+  let [before, still] = [-1, 0];
+  const look = () => {
+    still = scrollY === before ? still + 1 : 0;
+    before = scrollY;
+    still > 20 ? done() : requestAnimationFrame(look);
+  };
+  look();
+})"""
 
 
-def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page):
+def test_one_finger_scrolls_the_page_or_drags_p_and_two_pan_and_pinch_the_map(open_page):
     page = open_page("?mode=moved", MAP, size=(400, 800), has_touch=True, is_mobile=True)
-    finger = page.context.new_cdp_session(page)
+    client = page.context.new_cdp_session(page)
 
     def swipe(*ways):
-        touches(finger, "touchStart", *(start for start, _ in ways))
-        for part in np.linspace(0.2, 1, 5):
-            places = [(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])) for a, b in ways]
-            touches(finger, "touchMove", *places)
-        touches(finger, "touchEnd")
+        for kind, part in [("Start", 0), *(("Move", k / 8) for k in range(1, 9)), ("End", None)]:
+            fingers = [
+                {"x": x + part * dx, "y": y + part * dy, "id": i}
+                for i, (x, y, dx, dy) in enumerate(ways)
+                if part is not None
+            ]
+            event = {"type": f"touch{kind}", "touchPoints": fingers}
+            client.send("Input.dispatchTouchEvent", event)
+        page.evaluate(AT_REST)  # a finger that leaves moving lets the page glide
 
-    page.locator(".explore .map").scroll_into_view_if_needed()
-    box = page.locator(".explore .map").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    still = pixels(page)
-    swipe(((x - 30, y), (x + 30, y + 20)), ((x + 30, y), (x + 90, y + 20)))
+    def middle(of):
+        page.locator(f".explore {of}").scroll_into_view_if_needed()
+        box = page.locator(f".explore {of}").bounding_box()
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, box
+
+    x, y, _ = middle(".map")
+    still, scrolled = pixels(page), page.evaluate("scrollY")
+    swipe((x, y, 0, -120))
+    assert page.evaluate("scrollY") > scrolled + 40
+    assert pixels(page) == still
+    x, y, _ = middle(".map")
+    scrolled = page.evaluate("scrollY")
+    swipe((x - 30, y, 60, 20), (x + 30, y, 60, 20))
     panned = pixels(page)
     assert panned != still
-    scrolled = page.evaluate("scrollY")
-    swipe(((x - 30, y), (x - 90, y)), ((x + 30, y), (x + 90, y)))
+    swipe((x - 30, y, -60, 0), (x + 30, y, 60, 0))
     assert pixels(page) != panned
     assert page.evaluate("scrollY") == scrolled  # the map took the gesture, not the page
-    page.locator(".explore .order").scroll_into_view_if_needed()
-    slider = page.locator(".explore .order").bounding_box()
-    middle = slider["y"] + slider["height"] / 2
-    before = p_shown(page)
-    start = slider["x"] + slider["width"] * float(before)
-    swipe(((start, middle), (slider["x"] + slider["width"] * 0.9, middle)))
+    _, y, slider = middle(".order")
+    before = float(p_shown(page))
+    swipe((slider["x"] + slider["width"] * before, y, slider["width"] * (0.9 - before), 0))
     assert float(p_shown(page)) > 0.8

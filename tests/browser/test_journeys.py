@@ -31,7 +31,7 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(visit):
     assert re.search(r"pair \d+", page.inner_text(".pair .slot .what"))
 
 
-def test_a_lasso_selects_points_and_saves_them_as_csv(visit):
+def test_a_lasso_selects_points_in_a_short_address_and_saves_them_as_csv(visit):
     page = visit(TOOLS)
     page.click(".explore .tool.lasso")
     box = page.locator(".explore .map").bounding_box()
@@ -42,7 +42,9 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(visit):
     page.mouse.up()
     heading = page.inner_text(".explore .pictures h4")
     count = int(heading.split()[0])
-    assert count > 10
+    assert count > 200
+    page.wait_for_function("location.search.includes('sel=')")
+    assert len(page.url) < 1200
     with page.expect_download() as saved:
         page.click(".explore .pictures .csv")
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from .gestures import ANSWERED, READY, go, pixels, settle, texture
+from .gestures import READY, go, settle
 
 pytestmark = pytest.mark.browser
 SAID = ".explore .announcement"
@@ -73,59 +73,6 @@ def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(vi
     assert names[0][1].startswith("Modality gap after the embedding: 0.")
 
 
-def test_a_lasso_leaves_a_short_address(visited):
-    chapter(visited, "analyse")
-    visited.focus(MARKS)
-    for _ in range(6):
-        visited.keyboard.press("+")
-    visited.keyboard.press("s")
-    settle(visited)
-    count = int(visited.inner_text(".explore .pictures h4").split()[0])
-    visited.wait_for_function("location.search.includes('sel=')")
-    assert count > 200 and len(visited.url) < 1200
-    visited.keyboard.press("Escape")
-
-
-def swipe(page, x, *ys, fingers=(0,)):
-    """Move fingers, each some pixels beside x, through heights on the screen."""
-    client = page.context.new_cdp_session(page)
-    for kind, y in [("touchStart", ys[0]), *(("touchMove", y) for y in ys), ("touchEnd", None)]:
-        points = [] if y is None else [{"x": x + d, "y": y, "id": i} for i, d in enumerate(fingers)]
-        client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    client.detach()
-
-
-AT_REST = """() => new Promise((done) => {
-  let [before, still] = [-1, 0];
-  const look = () => {
-    still = scrollY === before ? still + 1 : 0;
-    before = scrollY;
-    still > 20 ? done() : requestAnimationFrame(look);
-  };
-  look();
-})"""
-
-
-def test_on_a_phone_one_finger_scrolls_the_page_and_two_move_the_map(new_page, address):
-    page = new_page((400, 800), has_touch=True, is_mobile=True)
-    page.goto(f"{address}?chapter=order", wait_until="commit")
-    page.wait_for_selector(READY["explore"])
-    settle(page)
-    drawn = "document.querySelector('.explore .now .map canvas').toDataURL()"
-    before = pixels(page, ".explore .now .map")
-    box = page.locator(".explore .now .map").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    swipe(page, x, *range(int(y), int(y) - 120, -10))
-    page.wait_for_function("scrollY > 40")
-    page.evaluate(AT_REST)  # a finger that leaves moving lets the page glide
-    assert pixels(page, ".explore .now .map") == before
-    page.evaluate("scrollTo(0, 0)")
-    page.evaluate(AT_REST)
-    swipe(page, x, *range(int(y), int(y) - 60, -10), fingers=(-40, 40))
-    page.wait_for_function(f"before => {drawn} !== before", arg=before)
-    assert page.evaluate("scrollY") < 5  # of the 60 pixels of the fingers' way
-
-
 # of the elements that fit, the colours that differ from what is around them
 SHOWN = """of => [...document.querySelectorAll(`.ov.explore ${of}`)].filter((one) =>
   one.checkVisibility()).map((one) => {
@@ -134,37 +81,31 @@ SHOWN = """of => [...document.querySelectorAll(`.ov.explore ${of}`)].filter((one
   })"""
 
 
-def test_in_forced_colours_what_is_chosen_bars_keys_and_lines_are_visible(new_page, address):
-    page = new_page(forced_colors="active")
-    page.goto(address, wait_until="commit")
+def test_in_forced_colours_what_is_chosen_bars_keys_and_lines_are_visible(visited):
+    visited.emulate_media(forced_colors="active")
     for name, parts in {
         "touch": [".segments [aria-checked=true]", ".chapters [aria-current=page]", ".scale .fill"],
         "fooled": [".readings .range", ".readings [aria-checked=true]"],
         "order": [".over .now", ".wave path"],
         "where": [".sensors i"],
     }.items():
-        page.wait_for_selector(READY["explore"])
-        go(page, f"?chapter={name}")
+        go(visited, f"?chapter={name}")
+        visited.wait_for_selector(READY["explore"])
         for part in parts:
-            seen = page.evaluate(SHOWN, part)
+            seen = visited.evaluate(SHOWN, part)
             assert seen and all(seen), (name, part)
-    colours = page.locator(".explore .sensors i").evaluate_all(
+    colours = visited.locator(".explore .sensors i").evaluate_all(
         "all => new Set(all.map((one) => getComputedStyle(one).backgroundColor)).size"
     )
     assert colours == 8
 
 
-@pytest.mark.parametrize(
-    ("size", "scale"), [((640, 360), 2), ((844, 390), 1)], ids=["200 %", "landscape"]
-)
-def test_enlarged_or_on_its_side_no_part_is_squeezed_or_lies_on_another(
-    new_page, address, size, scale
-):
-    page = new_page(size, device_scale_factor=scale)
-    page.goto(address, wait_until="commit")
+@pytest.mark.parametrize("size", [(640, 360), (844, 390)], ids=["200 %", "landscape"])
+def test_enlarged_or_on_its_side_no_part_is_squeezed_or_lies_on_another(visit, size):
     for name, part in {"touch": ".twin .tile", "where": ".threads", "order": ".map"}.items():
-        page.wait_for_selector(READY["explore"])
-        go(page, f"?chapter={name}")
+        page = visit(f"?chapter={name}", READY["explore"])
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        settle(page)
         box = page.locator(f".explore {part} >> visible=true").first.bounding_box()
         assert min(box["width"], box["height"]) >= (60 if name == "touch" else 200), name
         assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
@@ -181,8 +122,8 @@ FITS = """one => { const box = one.getBoundingClientRect();
     && box.bottom <= innerHeight; }"""
 
 
-def test_a_lecture_enlarges_what_is_said_and_leaves_map_chart_and_control(open_page):
-    page = open_page(shows=READY["explore"], size=(1280, 720))
+def test_a_lecture_enlarges_what_is_said_and_leaves_map_chart_and_control(visited):
+    page = visited
     for width, height in ((1280, 720), (1920, 1080)):
         page.set_viewport_size({"width": width, "height": height})
         go(page, "?chapter=touch")
@@ -222,42 +163,9 @@ def test_on_a_slow_line_every_empty_place_has_a_word(open_page):
     assert page.is_hidden(".explore .wait")
 
 
-def test_the_tour_leaves_a_chapter_as_it_found_it(visit):
-    page = visit("?chapter=touch")
-    before = page.inner_text(".explore .touch .figure")
-    page.click(".tour-start")
-    page.wait_for_selector(".tour [data-option]")
-    page.click(".tour [data-option]")
-    page.click(".tour .next-step")
-    page.click(".tour [data-option]")
-    assert page.inner_text(".explore .touch .figure") != before
-    page.click(".tour .end")
-    settle(page)
-    assert page.inner_text(".explore .touch .figure") == before
-    assert "dots=" not in page.url
-
-
-def test_an_address_of_a_pair_that_is_not_there_shows_no_other_picture(open_page):
-    page = open_page("?view=pair&vis=image:0123456789abcdef&tac=row:99999", ".pair .slot .what")
+def test_an_address_of_a_pair_that_is_not_there_shows_no_other_picture(visit):
+    page = visit("?view=pair&vis=image:0123456789abcdef&tac=row:99999", ".pair .slot .what")
     settle(page)
     words = page.locator(".pair .slot .what").all_inner_texts()
     assert words == ["A picture from an earlier visit", "This set has no pair 99999."]
     assert not page.locator(".pair .slot .picture .thumb").count()
-
-
-def test_thirty_classes_are_named_briefly_and_a_table_teaches_only_what_can_be_taught(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    table = ["vis,tac,label", *(f"{i}_vis.png,{i}_tac.png,thing {i}" for i in range(6))]
-    table.append(f"6_vis.png,6_tac.png,{'x' * 41}")
-    pictures = [texture(i) | {"name": f"{i // 2}_{('vis', 'tac')[i % 2]}.png"} for i in range(14)]
-    page.set_input_files(
-        ".pair .lots.pairs input[type=file] >> nth=0",
-        [*pictures, {"name": "t.csv", "mimeType": "text/csv", "buffer": "\n".join(table).encode()}],
-    )
-    page.wait_for_selector(".pair .many table")
-    settle(page)
-    assert page.is_disabled(".pair .many [data-send=rowsTaught]")
-    assert "41 letters; at most 40" in page.inner_text(".pair .many table")
-    page.fill(".pair .many input[name=value] >> nth=0", "thing 1")
-    page.keyboard.press("Tab")
-    page.wait_for_selector(".pair .line:has-text('So far: thing 1 2, thing 2 1')")

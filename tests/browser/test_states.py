@@ -62,13 +62,9 @@ CUT = """() => {
 }"""
 
 
-def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_no_scrolling(
-    open_page,
-):
-    page = open_page(shows=READY["explore"], size=SIZES[0])
+def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_no_scrolling(visit):
     for view, (parts, wide) in VIEWS.items():
-        go(page, f"?{view}")
-        page.wait_for_selector(READY["explore"])
+        page = visit(f"?{view}", READY["explore"])
         page.wait_for_selector(".explore :is(.provenance, .tree-of-pair) >> visible=true")
         page.evaluate("scrollTo(0, 0)")
         for width, height in SIZES:
@@ -83,10 +79,11 @@ def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_n
             assert not page.evaluate(COVERED), at
     page.locator(".explore .chapters").evaluate("one => { one.style.width = '200vw'; }")
     assert page.evaluate(CUT)  # the check can see
+    page.locator(".explore .chapters").evaluate("one => { one.style.width = ''; }")
 
 
-def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
-    page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
+def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(visit):
+    page = visit("?chapter=analyse&mode=moved", ".explore .score .provenance")
     before = page.input_value(".explore .order")
     page.click(".explore .play")
     page.wait_for_function(
@@ -102,22 +99,22 @@ def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
 
 
 def test_paper_keeps_the_words_simulated_lines_of_figures_and_names_of_colours_but_no_button(
-    open_page,
+    visited,
 ):
-    page = open_page(shows=READY["explore"], size=(718, 1047))
+    visited.set_viewport_size({"width": 718, "height": 1047})
 
     def seen(parts):
-        return page.locator(f"{parts} >> visible=true").count()
+        return visited.locator(f"{parts} >> visible=true").count()
 
     for chapter in ("touch", "where", "order", "fooled", "analyse"):
-        go(page, f"?chapter={chapter}")
-        page.wait_for_selector(READY["explore"])
-        page.wait_for_selector(".explore .provenance >> visible=true")
-        page.emulate_media(media="print")
+        go(visited, f"?chapter={chapter}")
+        visited.wait_for_selector(READY["explore"])
+        visited.wait_for_selector(".explore .provenance >> visible=true")
+        visited.emulate_media(media="print")
         assert seen(".top .badge") == 1, chapter
         gone = ".tour-start, .theme, .chapters, .next, .zooms button, .tiles button:nth-child(13)"
         assert seen(gone) == 0, chapter
         assert seen(".explore .provenance"), chapter
         assert chapter != "fooled" or seen(".explore .readings .scale") == 3
         assert chapter != "where" or seen(".explore .sensors button") == 8
-        page.emulate_media(media="screen")
+        visited.emulate_media(media="screen")

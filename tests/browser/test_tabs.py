@@ -9,9 +9,6 @@ from .gestures import READY, pixels
 pytestmark = pytest.mark.browser
 
 
-SECOND = "?chapter=analyse&mode=moved&beside=1"
-
-
 def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(visit):
     page = visit("?chapter=analyse&mode=moved&pin=0")
     page.click(".explore [data-panel=nodes] summary")
@@ -29,7 +26,7 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(visit
     assert page.text_content(".explore .tree-view") != before
 
 
-def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(visit):
+def test_a_second_map_moves_with_the_first_and_has_a_step_a_method_and_a_p_of_its_own(visit):
     page = visit("?chapter=analyse&mode=moved")
     page.click(".explore .second")
     page.wait_for_selector(".explore .beside .map[data-order]")
@@ -45,12 +42,6 @@ def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(v
         pixels(page, f".explore {p} .map") != old
         for p, old in zip((".now", ".beside"), before, strict=True)
     )
-    page.click(".explore .second")
-    assert page.is_hidden(".explore .beside")
-
-
-def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(visit):
-    page = visit(SECOND, ".explore .beside .map[data-order]")
     page.select_option(".explore .beside .step", "f_hat")
     page.focus(".explore .beside .its-p")
     for _ in range(200):
@@ -60,6 +51,8 @@ def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(visit):
     page.select_option(".explore .beside .by", "method:nearest_mean")
     page.wait_for_selector(".explore .beside .its-p:disabled")
     assert counts(page) != of_p
+    page.click(".explore .second")
+    assert page.is_hidden(".explore .beside")
 
 
 def counts(page):
@@ -82,16 +75,6 @@ def counts(page):
     return parts
 
 
-def test_simulated_data_say_so_and_their_limits_open_there(visited):
-    page = visited
-    page.click(".top .badge:has-text('simulated data')")
-    page.wait_for_selector(
-        ".top .limits:has-text('No figure on this page describes a real sensor')"
-    )
-    page.keyboard.press("Escape")
-    assert page.is_hidden(".top .limits")
-
-
 DEFINED = """() => {
   const [text, box] = [document.querySelector('.explore .provenance'),
     document.querySelector('.definition')]
@@ -101,10 +84,10 @@ DEFINED = """() => {
 }"""
 
 
-def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_text(open_page):
-    page = open_page("?chapter=analyse", READY["explore"], has_touch=True)
+def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_text(visit):
+    page = visit("?chapter=analyse", READY["explore"])
     word = page.locator(".explore .provenance dfn:has-text('head')")
-    for way in (word.hover, word.focus, word.tap):
+    for way in (word.hover, word.focus):
         way()
         page.wait_for_selector(
             ".definition:has-text('the small network that learns here') >> visible=true"
