@@ -31,6 +31,7 @@ def few_stops(monkeypatch, tmp_path):
     # the learned order lies outside, so that no stop is added at it
     monkeypatch.setattr(frames_job, "STOPS", (0.0, 0.1, 0.2))
     monkeypatch.setattr(frames_job, "COARSE", (0.0, 0.2))
+    monkeypatch.setattr("omnivat.maps.frames.builder.DEFAULT_MAPS", {"pca/f_hat": 3})
 
 
 @pytest.fixture
@@ -179,6 +180,8 @@ def test_a_cancelled_map_writes_nothing(new, tmp_path, building):
 
 def test_a_large_set_is_first_shown_by_its_principal_components_alone(new, monkeypatch, building):
     monkeypatch.setattr(frames_job, "LARGE_SET", 10)
+    both = {"pca/f_hat": 3, "umap/f_hat": 3}
+    monkeypatch.setattr("omnivat.maps.frames.builder.DEFAULT_MAPS", both)
     seen = []
     building(seen.append, maps={"pca/f_hat": 3})
     assert new().wait().problem == ""
