@@ -36,10 +36,6 @@ def test_a_fetched_set_is_listed_with_its_terms_and_its_pictures_are_served_by_n
     assert shelf.picture(name, local=False) == fetched / "tree_tac.png"
 
 
-def test_without_a_fetched_set_the_shelf_is_empty(tmp_path):
-    assert RealPairs(tmp_path).listing(local=True) == {"local": True, "sets": [], "left_out": []}
-
-
 def test_a_set_of_touches_alone_has_no_photos_and_a_large_one_shows_a_few_pairs(shelf, fetched):
     rows = [f"t{k}.png,t{k}.png,Octopi,part {k % 3},{k}" for k in range(40)]
     (fetched / "pairs.csv").write_text("\n".join(["vis,tac,domain,material,object", *rows]))

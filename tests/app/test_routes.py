@@ -47,14 +47,6 @@ def test_an_endless_question_is_cut_off(client):
     assert "larger than 4 MB" in sentence(endless, 413)
 
 
-def test_an_image_goes_in_and_its_pair_is_answered(client, png):
-    taken = client.post("/omnivat/image?name=bench.png", content=png(40)).json()
-    assert (taken["width"], taken["height"]) == (40, 40)
-    assert taken["preview"].startswith("data:image/jpeg;base64,")
-    answer = client.post("/omnivat/pair", json={"vis": taken["ref"], "tac": "row:2"}).json()
-    assert len(answer["stops"]["fused"]) == 101
-
-
 def test_an_uploaded_pair_is_one_request_and_its_reply_replaces_the_pictures(client, png):
     wanted = ["familiar", "rivals", "journey", "moving"]
     question = {"vis": "file:1", "tac": "file:0", "names": ["t.png", "p.png"], "with": wanted}

@@ -119,10 +119,10 @@ def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(frame
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, monkeypatch):
-    def broken(_):
+    def broken():
         raise DataError("The set has no map.")
 
-    monkeypatch.setattr(site, "FACTS", {**site.FACTS, "toy": broken})
+    monkeypatch.setattr(site, "replies", lambda *_: [("toy", broken)])
     export_site(framed, tmp_path / "site", sets=(), models=False)
     assert held(tmp_path / "site")["refused"] == {f"{OWN}/toy": "The set has no map."}
 

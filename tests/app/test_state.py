@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.shared.state import VISITOR, Recent, ref_from
+from app.shared.state import Recent, ref_from
 from omnivat.kit.errors import DataError
 
 TEXT = st.text(st.sampled_from("row:image0f-9/ \n\0é\ud800\U0001f600"))
@@ -26,18 +26,6 @@ def test_the_least_recently_used_value_is_forgotten_first():
     recent.get("a")
     recent.keep("c", 3)
     assert (recent.get("a"), recent.get("b"), recent.get("c")) == (1, None, 3)
-
-
-def test_a_visitor_finds_only_its_own_values():
-    recent = Recent(4, private=True)
-    VISITOR.set("a")
-    recent.keep("x", 1)
-    VISITOR.set("b")
-    assert recent.get("x") is None
-    recent.keep("x", 2)
-    VISITOR.set("a")
-    assert recent.get("x") == 1
-    VISITOR.set("")
 
 
 def test_values_are_bounded_by_their_bytes_and_the_newest_stays():

@@ -9,7 +9,6 @@ from PIL import Image
 
 from app.pair.touch_relief import MOST, relief
 from app.shared.requests import FILES
-from app.shared.state import ForgottenError
 from omnivat import lamps, slopes
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
@@ -51,16 +50,10 @@ def test_one_touch_is_drawn_by_the_lamps_of_the_profile_which_the_caption_names(
         resources.profiles.keep(name, held)
     found = np.load(BytesIO(sent(resources, touches[:1], "npy", profile="lit")))
     assert np.array_equal(found[..., :2], slopes(dark, gel))
-    many = np.load(BytesIO(sent(resources, touches, "npy", profile="lit")))
-    assert np.array_equal(found, many)  # the profile's lamps, not those of the touches
     caption = sent(resources, touches[:1], "figures", profile="lit")["caption"]
     assert f"lamps in the profile of your sensor, which {len(others)} touches gave" in caption
     with pytest.raises(DataError, match=r"holds no lamps\. 2 more touches"):
         sent(resources, touches[:3], "npy", profile="unlit")
-    unlit, plain = (sent(resources, touches, "npy", profile=profile) for profile in ("unlit", ""))
-    assert unlit == plain
-    with pytest.raises(ForgottenError):
-        sent(resources, touches, "npy", profile="gone")
 
 
 def test_too_few_and_too_many_touches_are_refused(resources, touches):

@@ -20,14 +20,6 @@ def head_files(folder):
     }
 
 
-def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, small_places):
-    name = loaded(client, head_files(small_places.head)).json()["set"]
-    question = {"vis": "row:1", "tac": "row:1"}
-    own = client.post(f"/omnivat/pair?set={name}", json=question).json()
-    assert own["stops"] == client.post("/omnivat/pair", json=question).json()["stops"]
-    assert client.get(f"/omnivat/about?set={name}").json()["head"]["source"] == "TAG-sim"
-
-
 def test_a_head_without_weights_is_refused_in_a_sentence(client, small_places):
     got = loaded(client, {"settings.json": small_places.head / "settings.json"})
     assert sentence(got) == "A head also has weights.safetensors; choose its whole folder."

@@ -4,10 +4,9 @@ import "./browser.js";
 import { balance } from "../../app/web/explore/bars.js";
 import { headOf, LESSONS, startOf } from "../../app/web/explore/chapters.js";
 import { line } from "../../app/web/explore/curves.js";
-import { histogram, ranged, shifted } from "../../app/web/explore/finder.js";
+import { histogram, ranged } from "../../app/web/explore/finder.js";
 import { neighboursHtml } from "../../app/web/explore/grid.js";
 import { addressOf } from "../../app/web/explore/panels.js";
-import { inView } from "../../app/web/explore/pictures.js";
 import * as scenes from "../../app/web/explore/scene.js";
 import { barsOf } from "../../app/web/explore/split.js";
 import { levels, treads } from "../../app/web/explore/staircase.js";
@@ -85,22 +84,6 @@ test("a histogram counts every value once, those at the ends too", () => {
 test("another set is opened without pins, filters and pairs of the present one", () => {
   const address = new URL(addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu&chapter=analyse"));
   assert.deepEqual(Object.fromEntries(address.searchParams), { set: "chirps", stage: "relu", chapter: "analyse" });
-});
-
-test("pictures are drawn only where few points are in view", () => {
-  const cloud = { count: 4, x: [1, 2, 3, -5], y: [1, 1, 1, 1], width: 10, height: 10 };
-  assert.deepEqual(
-    inView(cloud, () => true, 3),
-    [0, 1, 2],
-  );
-  assert.equal(
-    inView(cloud, () => true, 2),
-    null,
-  );
-  assert.deepEqual(
-    inView(cloud, (point) => point === 1, 2),
-    [1],
-  );
 });
 
 test("a filter takes hidden points out of the selection and from the pointer, and is named in the title", () => {
@@ -270,15 +253,6 @@ test("a range is kept with four digits beside the others, and one that keeps all
   assert.equal(ranged("cosine:0.2:0.4", "cosine", [0, 1], null), "");
 });
 
-test("both ends of a range move by keys, and neither passes the other or leaves the histogram", () => {
-  for (const [range, by, upper, wanted] of [
-    [undefined, 1, false, [0.05, 1]],
-    [[0.5, 0.52], 3, false, [0.52, 0.52]],
-    [[0.5, 1], 1, true, [0.5, 1]],
-  ])
-    assert.deepEqual(shifted(range, [0, 1], by, upper), wanted);
-});
-
 const twins = { domains: [{ name: "A-sim" }, { name: "B-sim" }], pictures: [5, 20], shown: [{ class: 0 }] };
 
 test("the page opens with the press that is read best once its dots are filled, and that looks like what it is", () => {
@@ -295,18 +269,6 @@ test("an address that names no press, sensor or number of pictures opens with th
   change({ from: "99", press: "-1", known: "7", dots: "", reading: "fused" });
   assert.deepEqual(chosen(twins, state), { reading: "fused", table: "both", press: 0, from: 0, look: 0, rung: 0 });
   change({ from: "0", press: "", known: "0", reading: "tac" });
-});
-
-test("a touch is read by relief where the address has it, and a photo never is", () => {
-  for (const [dots, reading, look] of [
-    ["1", "fused", 1],
-    ["relief", "tac", 2],
-    ["relief", "vis", 0],
-  ]) {
-    change({ dots, reading, press: "0" });
-    assert.equal(chosen(twins, state).look, look);
-  }
-  change({ dots: "", reading: "tac", press: "" });
 });
 
 test("what is lost leads from home to away, and a term that does not apply has no row", () => {

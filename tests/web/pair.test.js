@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
+import { apart, blocksOf, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
 import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
@@ -293,14 +293,6 @@ test("a frame that differs from the no-contact picture by more than its noise is
   assert.ok(apart(frame(103), rest.mean) < rest.limit); // other light is no contact
   assert.ok(apart(frame(100, 20), rest.mean) > rest.limit); // 20 levels on 2 % of the picture are
   assert.equal(restOf([frame(100), frame(100), frame(100, 20)]), null); // touched meanwhile
-});
-
-test("crops keep a 4:3 middle or cut the border", () => {
-  for (const [crop, size, kept] of [
-    ["4:3", [1280, 720], [960, 720]],
-    ["border", [100, 50], [70, 35]],
-  ])
-    assert.deepEqual(CROPS[crop][1](...size), kept);
 });
 
 const SHARES = { fused: 0.7, vis: 0.5, tac: 0.6 };

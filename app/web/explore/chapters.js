@@ -20,7 +20,7 @@ const unseenDomains = (/** @type {Frames} */ frames) => {
 
 /** {best, low, high, range}: the order of the highest accuracy, and how far accuracy ranges over p; null if unknown.
  * @param {Frames} frames */
-export function decided(frames) {
+function decided(frames) {
   const curve = values(frames, ACCURACY, OUTPUT) ?? [];
   const [low, high] = ends(curve);
   if (high < low) return null; // none is known

@@ -25,7 +25,7 @@ export function sheet(url, onLoad) {
 /** Indices of the points in view; null if there are more than `most`.
  * @param {Pick<import("../shared/cloud.js").Cloud, "count" | "x" | "y" | "width" | "height">} cloud
  * @param {Wanted} shown */
-export function inView({ count, x, y, width, height }, shown, most = MOST) {
+function inView({ count, x, y, width, height }, shown, most = MOST) {
   const points = [];
   for (let point = 0; point < count; point++) {
     if (x[point] < 0 || y[point] < 0 || x[point] > width || y[point] > height || !shown(point)) continue;

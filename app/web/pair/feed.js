@@ -17,7 +17,7 @@ const LEAST = 3; // grey levels of a block: smaller changes are never contact
 const NOISE = 2; // contact changes a block by more than this many times the most that frames without contact do
 /** Crops: [label, size kept of a frame].
  * @type {Record<string, [string, (wide: number, high: number) => [number, number]]>} */
-export const CROPS = {
+const CROPS = {
   "": ["whole", (...size) => size],
   "4:3": ["4:3 (DIGIT)", (wide, high) => [Math.min(wide, (4 * high) / 3), Math.min(high, (3 * wide) / 4)]],
   border: ["border 0.15 (GelSight Mini)", (wide, high) => [0.7 * wide, 0.7 * high]],

@@ -19,7 +19,7 @@ const STEEPEST = 1.5;
 
 /** Touches of the same sensor as the open one, which is the first: of its domain's examples, or the visitor's own of
  * this visit. @param {PairTab} tab @returns {Ref[]} */
-export function touchesOf({ tac, examples, touches, sent }) {
+function touchesOf({ tac, examples, touches, sent }) {
   if (!tac || tac.startsWith("row:")) return [];
   const domain = examples.find(({ name }) => tac === `example:${name}`)?.domain;
   const others = domain

@@ -12,7 +12,7 @@ const STILL = 0.02; // a gap that ranges less is called constant
  * which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to the
  * highest is at least that from the highest to the lowest, "p" if not, "" if no p brings it below the embedding.
  * @param {Frames} frames @param {Measure} measure */
-export function gapOver(frames, { id, title }) {
+function gapOver(frames, { id, title }) {
   const all = (/** @type {string} */ stage) => (values(frames, id, stage) ?? []).filter(Number.isFinite);
   const output = values(frames, id, OUTPUT) ?? [];
   const [low, high] = ends(all(OUTPUT));

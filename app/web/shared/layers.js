@@ -13,8 +13,8 @@ const LIT = 0.68;
  * @param {Colourable} frames @param {number} stop @param {(point: number) => boolean} shown
  * @param {(point: number) => boolean} lit @returns {Layer[]}
  */
-export function layersOf(frames, stop, shown, lit, dim = DIM, colour = state.colour) {
-  const chosen = colouring(frames, colour);
+export function layersOf(frames, stop, shown, lit, dim = DIM) {
+  const chosen = colouring(frames, state.colour);
   const groups = chosen.groups(frames);
   const of = chosen.of(frames, stop);
   const total = 2 * frames.pairs;

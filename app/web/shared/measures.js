@@ -4,7 +4,7 @@ import { featuresOf } from "./stages.js";
 import { can, TABLES } from "./tables.js";
 
 /** The measures that are named in brief: a share of predictions, and gaps. */
-export const BRIEF = TABLES.measures.filter((row) => can(row, "brief"));
+const BRIEF = TABLES.measures.filter((row) => can(row, "brief"));
 export const GAPS = BRIEF.filter((row) => !can(row, "predictions"));
 export const ACCURACY = TABLES.measures.find((row) => can(row, "predictions"))?.id ?? "";
 

@@ -29,8 +29,10 @@ const BAR = html`<div class="track"><input class="order" type="range" step="${FI
   <label><i>p</i> = <output class="order-value">0.50</output></label>
   <button class="learned" title="Go to the learned order" hidden></button>`;
 
-/** Make the bar; `frames` are the stops of p. @param {Found} bar @param {Stops} frames */
-export function orderBar(bar, frames = HUNDREDTHS) {
+/** Make the bar, with every hundredth as a stop until `replace` gives others. @param {Found} bar */
+export function orderBar(bar) {
+  /** @type {Stops} */
+  let frames = HUNDREDTHS;
   put(bar, BAR);
   /** @param {string} selector @returns {Found} */
   const $ = (selector) => bar.querySelector(selector);

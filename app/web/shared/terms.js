@@ -24,7 +24,7 @@ const table = () =>
   });
 
 /** Mark the first use of each term in the text of an element. @param {Element} box */
-export async function define(box) {
+async function define(box) {
   const known = await table().catch(() => null);
   if (!known || box.querySelector("dfn")) return;
   const seen = new Set();
