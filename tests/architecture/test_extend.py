@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -87,27 +86,6 @@ def test_one_file_and_one_line_are_in_a_command(
     more = ["--out", str(out)] if table != "GAPS" else []
     assert main([*words.split(), name, "--embeddings", str(embeddings_file), *more]) == 0
     assert name in capsys.readouterr().out
-
-
-def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):
-    from importlib import reload
-
-    from omnivat.measure.gaps import GAPS, measures
-
-    added("omnivat/measure/gaps/medians.py")
-    name, target = entry("GAPS")
-    with monkeypatch.context() as patched:
-        patched.setitem(GAPS, name, target)
-        reload(measures)
-        assert name in measures.STAGE_MEASURES
-        facts = measures.Facts(
-            labels=torch.tensor([0, 1, 0, 1]), class_names=("a", "b"),
-            domains=torch.tensor([0, 0, 1, 1]), domain_names=("x", "y"),
-            scored=torch.ones(4, dtype=torch.bool),
-        )  # fmt: skip
-        rows = {"vis": torch.eye(4), "tac": torch.eye(4)}
-        assert float(dict(measures.ROW_MEASURES[name](rows, facts))[""]) >= 0
-    reload(measures)
 
 
 def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypatch, tmp_path):

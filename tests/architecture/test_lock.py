@@ -2,11 +2,7 @@
 a hash.
 """
 
-import ast
 import re
-import sys
-import tomllib
-from importlib.metadata import packages_distributions
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -14,8 +10,6 @@ from packaging.utils import canonicalize_name as plain
 from packaging.version import Version
 
 ROOT = Path(__file__).resolve().parents[2]
-# whose versions Gradio chooses: its server, its downloads
-OF_GRADIO = {"starlette", "uvicorn", "huggingface_hub"}
 LINE = re.compile(r"^([A-Za-z0-9._-]+)==([^ \\]+)", re.MULTILINE)
 
 
@@ -46,32 +40,3 @@ def test_every_locked_package_has_a_hash():
 def test_pillow_is_one_that_resolves_its_advisories_on_damaged_images():
     pillow = next(one for one in requirements() if one.name == "pillow")
     assert not pillow.specifier.contains("12.2.0")
-
-
-def test_every_package_that_is_imported_is_declared():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = [line for lines in project["optional-dependencies"].values() for line in lines]
-    declared = {plain(Requirement(line).name) for line in [*project["dependencies"], *extras]}
-    assert {plain(one.name) for one in requirements()} <= declared
-    brought = packages_distributions()
-    undeclared = {
-        name
-        for name in imported()
-        - set(sys.stdlib_module_names)
-        - {"app", "omnivat", "omnivat_examples"}
-        - OF_GRADIO
-        if not {plain(one) for one in brought.get(name, [name])} & declared
-    }
-    assert undeclared == set()
-
-
-def imported():
-    """Names of the packages that the program imports, at the top of a file or in a function."""
-    names = set()
-    for file in [*(ROOT / "app").rglob("*.py"), *(ROOT / "omnivat").rglob("*.py")]:
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                names |= {one.name.split(".")[0] for one in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                names.add(str(node.module).split(".")[0])
-    return names

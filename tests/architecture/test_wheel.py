@@ -13,14 +13,17 @@ PARTS = ("omnivat", "app", "examples", "pyproject.toml", "setup.py", "README.md"
 
 pytestmark = pytest.mark.slow
 LOOK = """
+import sys
 import app, omnivat
 from app.shared.resources import Resources
+from omnivat.cli import main
 from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.notebook import explore
 print(omnivat.__file__, app.__file__, EXAMPLES, sep="\\n")
 print(*shipped_sets())
 print(len(omnivat.load_embeddings(omnivat.default_embeddings())))
 print(len(explore().page))
+sys.exit(main(sys.argv[1:]))
 """
 
 
@@ -35,26 +38,17 @@ def site(tmp_path_factory):
     return site
 
 
-def run(site, *arguments):
-    """Return what `python ...` prints with the wheel's content alone on the path."""
+def test_installed_library_page_and_command_find_the_shipped_files_in_any_folder(site):
+    photo = next((site / "omnivat_examples" / "pairs").rglob("*_vis.*"))
+    touch = photo.with_name(photo.name.replace("_vis", "_tac"))
     environment = os.environ | {"PYTHONPATH": str(site), "OMNIVAT_CACHE": str(site / "cache")}
     done = subprocess.run(
-        [sys.executable, *arguments],
+        [sys.executable, "-c", LOOK, "predict", str(photo), str(touch), "--json"],
         capture_output=True, text=True, timeout=900, cwd=site.parent, env=environment,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def test_an_installed_command_predicts_a_shipped_pair(site):
-    photo = next((site / "omnivat_examples" / "pairs").rglob("*_vis.*"))
-    touch = next(photo.parent.glob(photo.name.replace("_vis", "_tac")))
-    answer = json.loads(run(site, "-m", "omnivat", "predict", str(photo), str(touch), "--json"))
-    assert answer["prediction"] in answer["probabilities"]
-
-
-def test_the_installed_library_and_page_find_the_shipped_sets_and_explore_in_any_folder(site):
-    printed = run(site, "-c", LOOK)
-    *places, sets, pairs, letters = printed.splitlines()
+    *places, sets, pairs, letters, answer = done.stdout.split("\n", 6)
     assert len(places) == 3 and all(place.startswith(str(site)) for place in places)
     assert "sensors" in sets.split() and int(pairs) > 1000 and int(letters) > 1_000_000
+    answer = json.loads(answer)
+    assert answer["prediction"] in answer["probabilities"]

@@ -52,7 +52,6 @@ def test_a_second_stage_starts_its_time_again(capsys, clock):
         ["gaps", "--stage", "raw"],
         ["project", "--stage", "raw", "--method", "pca", "--out", "OUT/map.csv"],
         ["evaluate", "--head", "HEAD"],
-        ["teach", "--head", "HEAD", "--out", "OUT/taught"],
     ],
     ids=lambda words: words[0],
 )
@@ -66,7 +65,7 @@ def test_a_command_that_walks_a_set_reports_all_of_it(words, head_folder, tmp_pa
     def bar(title):
         yield seen.append
 
-    for module in ("features", "evaluate", "teach"):
+    for module in ("features", "evaluate"):
         monkeypatch.setattr(import_module(f"omnivat.cli.{module}"), "progress_bar", bar)
     places = {"HEAD": str(head_folder), "OUT": str(tmp_path)}
     words = [places.get(word, word.replace("OUT", str(tmp_path))) for word in words]

@@ -8,24 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from omnivat.cli import COMMANDS, main, parser
+from omnivat.cli import main, parser
 from omnivat.data.store import save_embeddings
-
-
-def test_no_command_prints_the_help(run):
-    assert "predict" in run().out
 
 
 def test_a_misspelt_command_gets_the_nearest_one(run):
     said = run("trian", code=2).err
     assert "There is no command 'trian'. Did you mean 'train'?" in said
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_and_argument_has_a_help_text(command):
-    own = parser()._subparsers._group_actions[0].choices[command]
-    assert [action.dest for action in own._actions if not action.help] == []
-    assert len(own.format_help()) > 200
 
 
 @pytest.mark.parametrize(
@@ -34,17 +23,12 @@ def test_every_command_and_argument_has_a_help_text(command):
         (["predict", "--fly"], "unrecognized arguments: --fly"),
         (["predict", "a", "b", "--order", "nan"], "order is nan; give a number of quarter turns"),
         (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
-        (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
         (["protocol", "--out", "x", "--seeds", ","], "','; give whole numbers such as 0,1,2"),
-        (["train", "--repeat", "a"], "'a'; give whole numbers such as 0,1,2"),
         (["train", "--set", "width"], "'width'; write it as key=value"),
-        (["import", "x", "--column", "=b"], "'=b'; write it as key=value"),
         (["sweep", "--csv", "c", "--stops", "1"], "'1'; give a whole number, 2 to 1001"),
         (["gaps", "--measure", "centrod"], "'centrod'; give one of centroid, mmd_linear,"),
         (["embed", "x", "--reader", "tacquadd"], "Did you mean 'tacquad'?"),
-        (["project", "--dimensions", "4"], "'4'; give one of 2, 3."),
         (["sweep", "--orders", "1", "--stops", "3"], "not allowed with argument --orders"),
-        (["sweep", "--retrained", "3", "--stops", "4"], "not allowed with argument --retrained"),
     ],
 )
 def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence, capsys):
@@ -60,8 +44,8 @@ def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence,
         (["predict"], "Got 0 images; give VIS and TAC for each pair"),
         (["predict", "one.png"], "Got 1 image; give VIS and TAC"),
         (["predict", "a", "b", "--pairs", "c"], "Give either images or --pairs, not both"),
+        (["prompts", "--out", "x", "--method", "promptstyler"], "add --encoder clip-vit-b16"),
         (["predict", "a", "b", "--head", "nowhere"], "No head at 'nowhere'. Train one with"),
-        (["evaluate", "--head", "nowhere"], "No head at 'nowhere'"),
         (["train", "--embeddings", "none", "--source", "x", "--out", "y"], "No embeddings file at"),
         (["embed", "nowhere", "--out", "x.safetensors"], "There is no folder or file at 'nowhere'"),
     ],
@@ -75,19 +59,12 @@ def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["protocol", "--out", "file", "--methods", "nearest_mean"],
-        ["ablate", "--out", "file", "--only", "order"],
-    ],
-)
 def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
-    arguments, run, tmp_path, monkeypatch
+    run, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
     os.mkfifo(tmp_path / "file")
-    said = run(*arguments, code=1).err
+    said = run("protocol", "--out", "file", "--methods", "nearest_mean", code=1).err
     assert f"'{tmp_path / 'file'}' is a file; choose a folder." in said
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
@@ -96,7 +73,6 @@ def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
     ("changed", "sentence"),
     [
         ("--set widht=16", "There is no setting 'widht'. Did you mean 'width'?"),
-        ("--set width=wide", "Setting 'width' is 'wide'; it must be int."),
         ("--set levels=9", "levels is 9; choose 1 to 6."),
         ("--set fusion=meen", "feature. Did you mean 'mean'?"),
         ("--source TAGG", "there are TAG-sim, OF Real-sim"),
@@ -114,39 +90,27 @@ def test_a_wrong_setting_is_refused_before_anything_is_written(
 def test_evaluate_prints_and_draws_every_domain(head_folder, tmp_path, run):
     known = "--head", head_folder, "--embeddings", head_folder.parent / "set.safetensors"
     said = run("evaluate", *known, "--figure", tmp_path / "f.svg").out
-    assert "TAG-sim (source)" in said and "OF Real-sim" in said and "mean of targets" in said
+    assert "TAG-sim (source)" in said and "mean of targets" in said and "balanced" not in said
+    assert "measured on the head's training pairs" in said
     assert "OF Real-sim" in (tmp_path / "f.svg").read_text()
 
 
 def test_evaluate_gives_the_mean_over_classes_and_the_largest_class_where_classes_are_uneven(
     head_folder, make_embeddings, tmp_path, run
 ):
-    full, file = make_embeddings(split=False), tmp_path / "set.safetensors"
-    even = run("evaluate", "--head", head_folder, "--embeddings", head_folder.parent / file.name)
-    largest = np.flatnonzero(full.label == 0)
-    few = [np.flatnonzero(full.label == k)[::6] for k in np.unique(full.label) if k]
-    save_embeddings(file, full.select(np.sort(np.concatenate([largest, *few]))))
+    full, file = make_embeddings(split=True), tmp_path / "set.safetensors"
+    kept = (full.label == 0) | (np.arange(len(full)) % 6 == 0)
+    save_embeddings(file, full.select(np.flatnonzero(kept)))
     known = "evaluate", "--head", head_folder, "--embeddings", file
-    head, *lines = run(*known).out.splitlines()
-    assert head.split()[-2:] == ["balanced", "largest"] and "balanced" not in even.out
+    said = run(*known).out
+    assert "the head's training pairs" not in said  # they are stated, and left out
+    _, *lines = said.splitlines()
     for line, record in zip(lines, json.loads(run(*known, "--json").out)["domains"], strict=False):
         counts = np.array(record["confusion"], float)
         there = counts.sum(1)
-        shares = (
-            np.mean((np.diag(counts) / np.maximum(there, 1))[there > 0]),
-            there.max() / there.sum(),
-        )
+        balanced = (np.diag(counts)[there > 0] / there[there > 0]).mean()
+        shares = balanced, there.max() / there.sum()
         assert line.split()[-2:] == [f"{100 * share:.1f}" for share in shares]
-
-
-@pytest.mark.parametrize("stated", [True, False])
-def test_evaluate_says_so_where_the_source_was_trained_on(
-    stated, head_folder, make_embeddings, tmp_path, run
-):
-    file = tmp_path / "set.safetensors"
-    save_embeddings(file, make_embeddings(split=stated))
-    said = run("evaluate", "--head", head_folder, "--embeddings", file).out
-    assert ("measured on the head's training pairs" in said) is not stated
 
 
 def test_a_head_refuses_embeddings_of_another_encoder(head_folder, make_embeddings, tmp_path, run):
@@ -162,10 +126,7 @@ def test_the_parser_knows_its_version(capsys):
     assert capsys.readouterr().out.startswith("omnivat ")
 
 
-@pytest.mark.parametrize(
-    "words", ["embed loop --out q.safetensors", "sweep --csv loop --json loop"]
-)
-def test_a_link_to_itself_is_refused_in_a_sentence(words, tmp_path, monkeypatch, run):
-    monkeypatch.chdir(tmp_path)
+def test_a_link_to_itself_is_refused_in_a_sentence(tmp_path, run):
     (tmp_path / "loop").symlink_to("loop")
-    assert re.search(r"omnivat (embed|sweep): .*\.$", run(*words.split(), code=1).err.strip())
+    said = run("embed", tmp_path / "loop", "--out", tmp_path / "q.safetensors", code=1).err
+    assert re.search(r"^omnivat embed: .*\.$", said.strip())

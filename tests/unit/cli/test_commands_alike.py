@@ -1,27 +1,19 @@
-"""The commands take the same things: pairs, one modality, tables, other classes, none."""
+"""The commands take the same things: one modality, no classes, a table of other classes."""
 
 from itertools import product
 
 import pytest
 
 from omnivat.cli import main
-from omnivat.data.store import load_embeddings
 from omnivat.head import linear_maps
 from omnivat.study import trial
 
-FOLDERS = {  # kind -> names of pictures
-    "pairs": ["lab/{c}/{k}_vis.png", "lab/{c}/{k}_tac.png"],
+KINDS = {  # kind -> names of pictures; the readers' tests have the others
     "photos only": ["lab/{c}/{k}_vis.png"],
     "touches only": ["lab/{c}/{k}_tac.png"],
-    "folders vis and tac": ["vis/{c}{k}.png", "tac/{c}{k}.png"],
     "no classes": ["{c}{k}_vis.png", "{c}{k}_tac.png"],
+    "a table": ["lab/{c}/{k}_vis.png", "lab/{c}/{k}_tac.png"],
 }
-TABLES = {  # kind -> its columns
-    "a table": ["vis", "tac", "domain", "material"],
-    "a table without domains": ["vis", "tac", "label"],
-    "a table of touches": ["tac", "class"],
-}
-BARE = ("folders vis and tac", "no classes")
 
 
 @pytest.fixture(scope="module")
@@ -40,61 +32,56 @@ def pictures(paint):
 def places(tmp_path_factory, pictures):
     """Return kind -> (pictures, their embeddings by `embed`)."""
     found = {}
-    for kind in (*FOLDERS, *TABLES):
+    for kind, names in KINDS.items():
         root = tmp_path_factory.mktemp("set")
         classes = ("cork", "felt") if kind == "a table" else ("wood", "steel")
-        place = pictures(root / "mine", FOLDERS.get(kind, FOLDERS["pairs"]), classes)
-        if kind in TABLES:
-            lines = [",".join(TABLES[kind])]
-            for c in classes:
-                for k in range(3):
-                    cells = {n: f"lab/{c}/{k}_{n}.png" for n in ("vis", "tac")} | {"domain": "lab"}
-                    lines.append(",".join(cells.get(name, c) for name in TABLES[kind]))
+        place = pictures(root / "mine", names, classes)
+        if kind == "a table":
+            rows = [",".join([*names, "lab,{c}"]).format(c=c, k=k) for c in classes for k in "012"]
             place = place / "list.csv"
-            place.write_text("\n".join(lines) + "\n")
-        assert main(["embed", str(place), "--out", str(root / "set.safetensors")]) == 0
-        found[kind] = place, root / "set.safetensors"
+            place.write_text("\n".join(["vis,tac,domain,material", *rows]))
+        out = root / "set.safetensors"
+        assert main(["embed", str(place), "--no-flips", "--out", str(out)]) == 0
+        found[kind] = place, out
     return found
 
 
-@pytest.mark.parametrize("kind", [*FOLDERS, *TABLES])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("command", ["try", "profile", "predict", "teach", "report"])
 def test_every_command_takes_every_kind_or_says_what_it_wants(
     command, kind, places, tmp_path, run, monkeypatch
 ):
     monkeypatch.setattr(trial, "EPOCHS", 1)
     monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 9)
-    place, file = map(str, places[kind])
-    out = str(tmp_path / "out")
+    place, file = places[kind]
+    out = tmp_path / "out.safetensors"
     line = {
-        "try": ["try", place, "--no-page", "--encoder", "strip", "--out", out],
-        "profile": ["profile", place, "--encoder", "strip", "--out", f"{out}.safetensors"],
+        "try": ["try", place, "--no-page", "--encoder", "strip", "--out", tmp_path / "out"],
+        "profile": ["profile", place, "--encoder", "strip", "--out", out],
         "predict": ["predict", "--pairs", place, "--no-cache"],
-        "teach": ["teach", "--embeddings", file, "--out", out],
-        "report": ["report", file, "--out", out],
+        "teach": ["teach", "--embeddings", file, "--out", tmp_path / "out"],
+        "report": ["report", file, "--out", tmp_path / "out"],
     }[command]
-    if command == "teach" and kind in BARE:
+    if command == "teach" and kind == "no classes":
         said = run(*line, code=1).err
         assert "have no classes, and teaching needs labels: embed them from" in said
         return
-    said = run(*line)
-    alone = {"photos only": "vis", "touches only": "tac", "a table of touches": "tac"}.get(kind)
-    if alone and command == "predict":
-        assert {"vis": "no TAC", "tac": "no VIS"}[alone] in said.out
-    if alone and command == "profile":
-        one, other = {"vis": ("6 photos", "tactile"), "tac": ("6 tactile images", "photo")}[alone]
-        assert one in said.out and other not in said.out
+    said = run(*line).out
+    one, other = {"touches only": ("tactile images", "photo")}.get(kind, ("photos", "tactile"))
+    if command == "predict" and kind.endswith("only"):
+        assert f"no {'VIS' if other == 'photo' else 'TAC'}" in said
+    if command == "profile" and kind.endswith("only"):
+        assert f"6 {one}" in said and other not in said
     if command == "try":
-        last = said.out.strip().splitlines()[-2]
-        assert last.startswith("No head was trained" if kind in BARE else "In short: ")
+        last = said.strip().splitlines()[-2]
+        assert last.startswith("No head was trained" if kind == "no classes" else "In short: ")
 
 
-@pytest.mark.parametrize("kind", ["pairs", "a table"])
 @pytest.mark.parametrize("command", ["teach", "report"])
 def test_pictures_in_place_of_embeddings_end_in_the_command_that_makes_them(
-    command, kind, places, tmp_path, run
+    command, tmp_path, run, pictures
 ):
-    place = places[kind][0]
+    place = pictures(tmp_path / "mine", KINDS["touches only"])
     named = ["--embeddings", place] if command == "teach" else [place]
     said = run(command, *named, "--out", tmp_path / "out", code=1).err
     assert f"python -m omnivat embed {place} --out" in said and said.count("\n") == 1
@@ -109,19 +96,3 @@ def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(
     more = ["--out", tmp_path / "out.safetensors"] if command in ("embed", "profile") else []
     said = run(command, *line, *more, code=1).err
     assert "_vis.png" in said and "_tac.png" in said and said.count("\n") == 1
-
-
-def test_the_column_of_a_table_tells_that_its_pictures_are_touches(tmp_path, run, pictures):
-    place = pictures(tmp_path / "mine", ["{c}{k}.png"]) / "list.csv"
-    place.write_text("tac\nwood0.png\n")
-    line = [
-        "embed",
-        place,
-        "--encoder",
-        "strip",
-        "--no-flips",
-        "--out",
-        tmp_path / "out.safetensors",
-    ]
-    assert "touches alone" in run(*line).out
-    assert load_embeddings(tmp_path / "out.safetensors").header.modalities == ("tac",)

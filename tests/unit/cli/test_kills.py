@@ -1,5 +1,5 @@
-"""Each long command is killed once while it writes: nothing half-written stands, and it can run
-again.
+"""Commands are killed once while they write a folder, several files, records or many pictures:
+nothing half-written stands, and they can run again.
 """
 
 import json
@@ -7,12 +7,15 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from omnivat import cli
 from omnivat.cli import main
+from omnivat.data.store import save_embeddings
 from omnivat.kit import files
 from simulator.__main__ import COMMANDS as DRAWING
 
@@ -49,11 +52,6 @@ TRAIN = "--source TAG-sim --set width=16 --set epochs=2 --set lang=false --no-ca
 # command, its arguments, what it makes, and after how many files it is killed
 COMMANDS = {
     "train": (f"--embeddings {{set}} {TRAIN} --out {{out}}/head", "head", 2),
-    "sweep": (
-        "--head {head} --embeddings {set} --orders 0,0.5 --out {out}/f.bin --json {out}/c.json",
-        "f.bin",
-        1,
-    ),
     "embed": ("{pairs} --encoder strip --out {out}/e.safetensors", "e.safetensors", 2),
     "protocol": (
         "--embeddings {set} --methods nearest_mean --seeds 0 --out {out}/records",
@@ -61,8 +59,6 @@ COMMANDS = {
         0,
     ),
     "chirps": ("--pairs-per-class 4 --out {out}/chirps", "chirps", 30),
-    "export": ("--frames {frames} --out {out}/map.svg", "map.svg", 0),
-    "thumbnails": ("{pairs} --embeddings {embedded} --out {out}/s.webp", "s.webp", 1),
 }
 
 
@@ -72,21 +68,14 @@ def arguments(command, names):
 
 
 @pytest.fixture(scope="module")
-def names(tmp_path_factory, head_folder, paint):
-    """Return what the arguments name: a small head and set, frames, and a folder of pairs."""
+def names(tmp_path_factory, make_embeddings, paint):
+    """Return what the arguments name: a small set, and a folder of pairs."""
     folder = tmp_path_factory.mktemp("kills")
     for k in range(6):
         for modality in ("vis", "tac"):
             paint(folder / "pairs" / f"TAG-sim/wood/{k}_{modality}.png")
-    embedded = folder / "embedded.safetensors"
-    assert main(["embed", str(folder / "pairs"), "--encoder", "strip", "--out", str(embedded)]) == 0
-    return {
-        "set": head_folder.parent / "set.safetensors",
-        "head": head_folder,
-        "frames": ROOT / "examples" / "frames.bin",
-        "pairs": folder / "pairs",
-        "embedded": embedded,
-    }
+    save_embeddings(folder / "set.safetensors", make_embeddings())
+    return {"set": folder / "set.safetensors", "pairs": folder / "pairs"}
 
 
 @pytest.fixture(scope="module")
@@ -131,39 +120,26 @@ def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
     assert [p.name for p in place.iterdir() if p.name.startswith(".")] == []
 
 
-STOPPED = """
-import atexit, os, signal, sys
-from omnivat.cli import main
+def test_a_command_that_is_stopped_while_torch_loads_ends_in_a_sentence(monkeypatch, capsys):
+    spec, reached = SimpleNamespace(_initializing=True), []
 
-class Finder:  # sends the signal while torch loads
-    def find_spec(self, name, *_):
-        if name == "torch.nn":
-            os.kill(os.getpid(), signal.SIGTERM)
+    def run(_):
+        signal.raise_signal(signal.SIGTERM)
+        reached.append("torch is whole")
+        spec._initializing = False
+        for _ in range(6_000):
+            time.sleep(0.01)
 
-sys.meta_path.insert(0, Finder())
-atexit.register(lambda: print("torch is", "whole" if "torch.optim" in sys.modules else "cut off"))
-sys.exit(main())
-"""
-
-
-def test_a_command_that_is_stopped_while_torch_loads_ends_in_a_sentence():
-    ended = subprocess.run(
-        [sys.executable, "-c", STOPPED, "evaluate"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
-    assert (ended.returncode, ended.stdout) == (143, "torch is whole\n")
-    assert ended.stderr == "Stopped. Nothing is half-written.\n"
-
-
-def test_help_needs_no_docstrings():
-    words = [sys.executable, "-OO", "-m", "omnivat", "--help"]
-    ended = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=600, check=True)
-    assert all(name in ended.stdout for name in cli.SUMMARIES)
-    assert all(text.endswith(".") and text[0].isupper() for text in cli.SUMMARIES.values())
+    waits = SimpleNamespace(__doc__="It waits.", add=lambda _: None, run=run)
+    monkeypatch.setitem(sys.modules, "torch", SimpleNamespace(__spec__=spec))
+    monkeypatch.setattr(sys, "argv", ["omnivat", "waits"])
+    kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        assert main(commands={"waits": waits}) == 143
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)
+    assert reached and capsys.readouterr().err == "Stopped. Nothing is half-written.\n"
 
 
 def shown(folder):
