@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import zoom
 
 SIDE = 224
@@ -73,21 +72,6 @@ def soft_lines(side: int, seed: int) -> Array:
     return np.asarray(gel(side, seed) * (1 - shade)[..., None])
 
 
-def letters(side: int, seed: int) -> Array:
-    page, size = Image.new("L", (side, side), 190), 11 * side // SIDE
-    text = "the quick brown fox jumps over the dog"
-    words, font = text[seed % 30 :] + " " + text, ImageFont.load_default(size)
-    for line in range(14):
-        place = 6 * side // SIDE, 16 * line * side // SIDE
-        ImageDraw.Draw(page).text(place, words, fill=40, font=font)
-    return np.repeat(np.asarray(page, float)[..., None], 3, 2)
-
-
-def stripes(side: int, seed: int) -> Array:
-    y, x = places(side)
-    return np.asarray(gel(side, seed) * (1 - 0.5 * (np.sin((x + 0.2 * y) / 3) > 0.6))[..., None])
-
-
 def knurl(side: int, seed: int) -> Array:
     """Lit relief in a grid: each side has its own colour."""
     y, x = places(side)
@@ -114,7 +98,7 @@ def checkers(side: int, seed: int) -> Array:
 
 ODD: dict[str, Callable[[int, int], Array]] = {
     one.__name__.replace("_", " "): one
-    for one in (gel, snow, dots_among_specks, soft_lines, letters, stripes, knurl, corner, checkers)
+    for one in (gel, snow, dots_among_specks, soft_lines, knurl, corner, checkers)
 }
 
 

@@ -44,7 +44,10 @@ def write_parquet(table, file):
     pyarrow = pytest.importorskip("pyarrow")
     import pyarrow.parquet as parquet
 
-    columns = {name: array.tolist() for name, array in table.items()}
+    columns = {name: pyarrow.array(array.tolist()) for name, array in table.items()}
+    for name in ("material", "domain"):  # as categories of pandas are written
+        if name in columns:
+            columns[name] = columns[name].dictionary_encode()
     parquet.write_table(pyarrow.table(columns), file)
 
 
@@ -53,6 +56,11 @@ def write_hdf5(table, file):
     with h5py.File(file, "w") as handle:
         for name, array in table.items():
             handle[name] = array.tolist() if array.dtype.kind == "U" else array
+        if names := [*dict.fromkeys(table.get("material", np.array([])).tolist())]:
+            numbers = [names.index(name) for name in table["material"]]
+            kind = h5py.enum_dtype({name: k for k, name in enumerate(names)}, basetype="u1")
+            del handle["material"]
+            handle.create_dataset("material", data=np.array(numbers, "u1"), dtype=kind)
 
 
 def write_csv(table, file):
@@ -110,33 +118,12 @@ def test_columns_as_people_write_them_lose_no_object_and_none_is_taken_of_two(ta
         import_embeddings(tmp_path / "two.csv", encoder="x", columns={"material": "Class Name"})
 
 
-def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
-    write_npz(table, tmp_path / "a.npz")
-    table["vis"] = table["vis"] + 1
-    write_npz(table, tmp_path / "b.npz")
-    first, second, other = (
-        import_embeddings(tmp_path / file, encoder=name).header.key
-        for file, name in (("a.npz", "x"), ("b.npz", "x"), ("b.npz", "y"))
-    )
-    assert first == second != other
-
-
 def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(table, tmp_path):
     table["tac"] = table["tac"][:, :3]
     write_npz(table, tmp_path / "a.npz")
     found = import_embeddings(tmp_path / "a.npz", encoder="x")
     assert found.tac.shape == (COUNT, 4) and not found.tac[:, 3].any()
     assert "vis 4, tac 3 values, then zeros" in found.header.preprocessing
-
-
-def test_columns_of_other_names_are_found(table, tmp_path):
-    renamed = {"photo": table.pop("vis"), "kind": table.pop("material"), **table}
-    for name in ("set.npz", "set.csv"):
-        WRITERS[name](renamed, tmp_path / name)
-        names = {"vis": "photo", "material": "kind"}
-        found = import_embeddings(tmp_path / name, encoder="x", columns=names)
-        np.testing.assert_allclose(found.vis, renamed["photo"], rtol=1e-6)
-        assert found.header.classes == ("wood", "steel", "cork")
 
 
 @pytest.mark.parametrize(
@@ -152,7 +139,6 @@ def test_columns_of_other_names_are_found(table, tmp_path):
         (lambda t: t.pop("domain"), "no column 'domain'; pass --domain"),
         (lambda t: t.update(tac=t["tac"][:5]), r"tac of shape \(5, 4\), expected \(6, D\)"),
         (lambda t: t.update(vis=t["vis"] * np.nan), "has nan in vis, row 0"),
-        (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "has -?inf in vis, row 0"),
         (
             lambda t: t["domain"].__setitem__(2, "\ud800"),
             "domain in row 2 .* which no file can hold",
@@ -160,7 +146,6 @@ def test_columns_of_other_names_are_found(table, tmp_path):
         (lambda t: t.update(vis=np.full((6, 4), "x")), "has no numbers in vis"),
         (lambda t: t.update(material=np.arange(6)), "number 5 as a material.*name 6 classes with"),
         (lambda t: t.update(split=np.array(["tset"] * 6)), "row 0: there is no split 'tset'"),
-        (lambda t: t.update(domain=np.array(["a"] * 5 + [""])), "no domain in row 5"),
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
 )
@@ -193,35 +178,15 @@ def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
         import_embeddings(tmp_path / name, encoder="x")
 
 
-@pytest.mark.parametrize("kind", [str, int, float, np.int8, np.uint16, np.float32, "S4"])
+@pytest.mark.parametrize("kind", ["U4", "i8", "f4", "S4"])
 def test_numbered_labels_of_any_type_have_the_names_that_are_given(table, tmp_path, kind):
-    numbers = np.array([0, 1, 2, 0, 1, 2])
-    table["material"] = numbers.astype(kind) if kind == "S4" else numbers.astype(np.dtype(kind))
-    table["material"] = table["material"][:, None]  # as a column of a matrix
+    table["material"] = np.array([[0], [1], [2]] * 2).astype(kind)  # as a column of a matrix
     write_npz(table, tmp_path / "a.npz")
     names = ("felt", "wood", "cork")
     found = import_embeddings(tmp_path / "a.npz", encoder="x", classes=names)
     assert [found.header.classes[k] for k in found.label] == [*names, *names]
     told = import_embeddings(tmp_path / "a.npz", encoder="x", classes=None)
     assert set(told.header.classes) == {"class 0", "class 1", "class 2"}
-
-
-def test_classes_that_a_file_names_by_numbers_keep_their_names(table, tmp_path):
-    h5py = pytest.importorskip("h5py")
-    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
-    columns = {name: pa.array(array.tolist()) for name, array in table.items()}
-    columns["material"] = columns["material"].dictionary_encode()  # a category of pandas
-    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
-    names = [*dict.fromkeys(table["material"].tolist())]
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        for name in ("vis", "tac"):
-            file[name] = table[name]
-        kind = h5py.enum_dtype({name: k for k, name in enumerate(names)}, basetype="u1")
-        numbers = [names.index(name) for name in table["material"]]
-        file.create_dataset("material", data=np.array(numbers, "u1"), dtype=kind)
-    for name in ("a.parquet", "a.h5"):
-        found = import_embeddings(tmp_path / name, encoder="x", domain="A")
-        assert [found.header.classes[k] for k in found.label] == table["material"].tolist()
 
 
 @pytest.mark.parametrize("missing", [-1.0, np.nan, "", "-1"])
@@ -236,7 +201,6 @@ def test_pairs_without_a_class_are_left_out_and_named(table, tmp_path, missing):
 
 
 def test_columns_that_nobody_asked_for_end_nothing(table, tmp_path):
-    h5py = pytest.importorskip("h5py")
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     objects = np.array([Path("a")] * COUNT, dtype=object)
     np.savez(tmp_path / "a.npz", **table, paths=objects)
@@ -246,12 +210,7 @@ def test_columns_that_nobody_asked_for_end_nothing(table, tmp_path):
         "boxes": [[[1, 2]] * k for k in range(COUNT)],
     }
     pq.write_table(pa.table(columns | ragged), tmp_path / "a.parquet")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        for name, array in table.items():
-            file[f"features/{name}"] = array.tolist() if array.dtype.kind == "U" else array
-        file["version"] = "1.0"
-        file.create_dataset("jpeg", (COUNT,), h5py.vlen_dtype(np.uint8))
-    for name in ("a.npz", "a.parquet", "a.h5"):
+    for name in ("a.npz", "a.parquet"):
         found = import_embeddings(tmp_path / name, encoder="x")
         np.testing.assert_allclose(found.tac, table["tac"], rtol=1e-6)
 
@@ -270,17 +229,14 @@ def test_a_row_without_its_numbers_is_named(table, tmp_path):
     write_csv(table, tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text().splitlines()
     cells = lines[4].split(",")
-    faults = [(cell, [*cells[:1], cell, *cells[2:]]) for cell in ("n/a", "nan", "inf")]
-    for word, row in faults:
-        said = f"'{word}'" if word == "n/a" else f"has {word} in vis"
+    for row, words in (
+        (["n/a", *cells[1:]], "'n/a'"),
+        (["nan", *cells[1:]], "has nan in vis"),
+        (["", *cells[1:]], "an empty cell"),
+        (["x"], "1 cells"),
+    ):
         (tmp_path / "a.csv").write_text("\n".join([*lines[:4], ",".join(row), *lines[5:]]))
-        with pytest.raises(DataError, match=rf"(?=.*row 3 \(line 5\)).*{said}"):
-            import_embeddings(tmp_path / "a.csv", encoder="x")
-    for line, words in (("," + lines[4].partition(",")[2], "an empty cell"), ("x", "1 cells")):
-        (tmp_path / "a.csv").write_text("\n".join([*lines[:4], line, *lines[5:]]))
-        with pytest.raises(
-            DataError, match=rf"row 3 \(line 5\).*{words}|{words}.*row 3 \(line 5\)"
-        ):
+        with pytest.raises(DataError, match=rf"(?=.*row 3 \(line 5\)).*{words}"):
             import_embeddings(tmp_path / "a.csv", encoder="x")
 
 

@@ -161,21 +161,9 @@ ALONE = ["felt . . None 10", "wood . . None 0", "wood . . None 1"]
             ["felt touch_1 . 11 111", "wood touch_0 . 1 101"],
         ),
         (
-            "rgb_0*2=0 rgb_1*2=1 rgb_2*2=2 rgb_3*2=3 rgb_4*2=4 tac_0*2=100 tac_1*2=101 tac_2*2=102"
-            ' tac_3*2=103 tac_4*2=104 labels=["a","b","a","b","c"]',
-            ["--frames", 1],
-            ["a 0 . 1 101", "a 2 . 3 103", "b 1 . 2 102", "b 3 . 4 104", "c 4 . 5 105"],
-        ),
-        (
             '0/left_tactile=100 0/right_tactile=120 0/wrist=0 0/label="wood" 0/item="mug"',
             [],
             ["left_tactile: wood mug . 0 100", "right_tactile: wood mug . 0 120"],
-        ),
-        (
-            "train/demo_0/rgb*1=0 train/demo_0/tac*1=100 test/demo_0/rgb*1=10"
-            ' test/demo_0/tac*1=110 label="wood"',
-            [],
-            ["wood test/demo_0 test 10 110", "wood train/demo_0 train 0 100"],
         ),
     ],
 )
@@ -196,10 +184,9 @@ def test_groups_are_classes_objects_domains_and_splits_by_their_names(
     assert [one.removeprefix("press: ") for one in told] == expected
 
 
-@pytest.mark.parametrize("command", ["try", "embed"])
-def test_commands_for_pairs_name_the_import_of_a_file_with_pictures(tmp_path, capsys, command):
+def test_commands_for_pairs_name_the_import_of_a_file_with_pictures(tmp_path, capsys):
     file = written(tmp_path / "a.h5", {f"{c}/{h}": film(0) for c in "ab" for h in ("rgb", "tac")})
-    assert main([command, str(file), "--out", str(tmp_path / "out.safetensors")]) == 1
+    assert main(["try", str(file), "--out", str(tmp_path / "out.safetensors")]) == 1
     assert f"import {file} --out PAIRS`" in capsys.readouterr().err
 
 

@@ -4,7 +4,6 @@ import re
 import struct
 import sys
 import zlib
-from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 
@@ -12,15 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.data.images import (
-    VISITORS,
-    central_square,
-    draft_scale,
-    factor,
-    opened,
-    read_image,
-    upright,
-)
+from omnivat.data.images import VISITORS, central_square, opened, read_image, upright
 from omnivat.data.naming import COMMON, FORMATS, is_image_name
 from omnivat.kit.errors import DataError
 
@@ -89,13 +80,6 @@ def test_heic_is_read_where_its_decoder_is_installed_and_else_explained(tmp_path
     assert np.allclose(values(tmp_path / "a.heic"), (200, 40, 40), atol=8)
 
 
-@pytest.mark.parametrize("kind", ["PNG", "TIFF"])
-def test_sixteen_bits_of_grey_keep_their_upper_eight(kind):
-    wide = GREY.astype(np.uint16) * 256 + 77
-    read = values(encoded(Image.fromarray(wide), kind))
-    assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))
-
-
 @pytest.mark.parametrize("low", [300, 30_000])
 def test_a_deep_picture_that_would_lose_its_contrast_is_stretched_or_refused(low):
     ramp = np.linspace(low, low + 400, 64 * 64).reshape(64, 64)
@@ -109,23 +93,6 @@ def test_a_deep_picture_that_would_lose_its_contrast_is_stretched_or_refused(low
     assert "16-bit colour, of which 8 bits keep" in refusal(png((64, 64), 2, 16, body))
 
 
-def tiff(numbers, bits):
-    """Return a little-endian TIFF of grey floats, which Pillow does not write in 64 bits."""
-    body = numbers.tobytes()
-    high, wide = numbers.shape
-    tags = {256: wide, 257: high, 258: bits, 259: 1, 262: 1, 273: 8, 277: 1, 278: high}
-    tags |= {279: len(body), 339: 3}
-    table = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
-    head = b"II*\0" + struct.pack("<I", 8 + len(body))
-    return head + body + struct.pack("<H", len(tags)) + table + b"\0" * 4
-
-
-def test_a_tiff_of_64_bit_floats_is_read_and_one_of_another_type_is_named():
-    unit = (GREY / 255).astype("<f8")
-    assert np.array_equal(values(tiff(unit, 64))[..., 0], GREY)
-    assert "numbers of a type that is not read" in refusal(tiff(unit.astype("<f2"), 16))
-
-
 def png(size, mode, depth, body):
     """Return a PNG of kinds that Pillow does not write. size: width, height."""
 
@@ -136,11 +103,6 @@ def png(size, mode, depth, body):
     header = struct.pack(">IIBBBBB", *size, depth, mode, 0, 0, 0)
     blocks = block(b"IHDR", header) + block(b"IDAT", zlib.compress(body)) + block(b"IEND", b"")
     return b"\x89PNG\r\n\x1a\n" + blocks
-
-
-def test_floating_values_from_0_to_1_are_scaled():
-    unit = (GREY / np.float32(255)).astype(np.float32)
-    assert np.array_equal(values(encoded(Image.fromarray(unit), "TIFF"))[..., 0], GREY)
 
 
 @pytest.mark.parametrize("mode", ["L", "1", "P", "CMYK", "YCbCr", "LA", "RGBA"])
@@ -172,22 +134,11 @@ def test_a_transparent_entry_of_a_palette_is_laid_on_white():
     assert (read[:, 8:] == (200, 100, 50)).all()
 
 
-@pytest.mark.parametrize("orientation", range(1, 9))
-def test_the_exif_rotation_is_applied(orientation):
-    turns = {
-        1: lambda a: a,
-        2: np.fliplr,
-        3: lambda a: np.rot90(a, 2),
-        4: np.flipud,
-        5: lambda a: a.transpose(1, 0, 2),
-        6: lambda a: np.rot90(a, -1),
-        7: lambda a: np.rot90(a, 2).transpose(1, 0, 2),
-        8: np.rot90,
-    }
+def test_the_exif_rotation_is_applied():
     exif = Image.Exif()
-    exif[0x0112] = orientation
+    exif[0x0112] = 6
     read = values(encoded(Image.fromarray(RGB), exif=exif))
-    assert np.array_equal(read, turns[orientation](RGB))
+    assert np.array_equal(read, np.rot90(RGB, -1))
 
 
 def test_damaged_exif_leaves_the_image_as_it_is_stored():
@@ -195,11 +146,10 @@ def test_damaged_exif_leaves_the_image_as_it_is_stored():
     assert np.array_equal(values(content), RGB)
 
 
-@pytest.mark.parametrize("kind", ["GIF", "PNG", "WEBP", "TIFF"])
+@pytest.mark.parametrize("kind", ["GIF", "TIFF"])
 def test_the_first_frame_of_an_animation_is_taken(kind):
-    frames = [Image.new("RGB", (16, 16), colour) for colour in ("red", "blue", "lime")]
-    options = {"lossless": True} if kind == "WEBP" else {}
-    content = encoded(frames[0], kind, save_all=True, append_images=frames[1:], **options)
+    first, other = (Image.new("RGB", (16, 16), colour) for colour in ("red", "blue"))
+    content = encoded(first, kind, save_all=True, append_images=[other])
     assert (values(content) == (255, 0, 0)).all()
 
 
@@ -237,29 +187,11 @@ def test_a_file_that_is_cut_short_is_refused(kind, share):
     assert "PNG or JPEG" in sentence or "pixels" in sentence
 
 
-def test_random_damage_never_gives_another_error():
-    for kind in ("PNG", "JPEG", "GIF", "BMP", "TIFF", "WEBP"):
-        content = encoded(Image.fromarray(RGB), kind)
-        for _ in range(40):
-            damaged = bytearray(content)
-            for place in RANDOM.integers(0, len(damaged), 4):
-                damaged[place] = RANDOM.integers(0, 256)
-            with suppress(DataError):
-                assert read_image(bytes(damaged)).mode == "RGB"
-
-
 def test_a_missing_file_and_a_folder_are_refused_by_name(tmp_path):
     for path in (tmp_path / "none.png", tmp_path):
         with pytest.raises(DataError, match="cannot be read") as caught:
             read_image(path)
         assert str(path) in str(caught.value)
-
-
-def test_path_text_bytes_and_open_image_give_the_same(tmp_path):
-    path = tmp_path / "a.png"
-    path.write_bytes(encoded(Image.fromarray(RGB)))
-    for source in (path, str(path), path.read_bytes(), Image.open(path)):
-        assert np.array_equal(values(source), RGB)
 
 
 def test_the_central_square_is_cut_and_never_grows():
@@ -301,17 +233,3 @@ def test_every_pixel_is_kept_where_asked_for_and_below_2048():
     image = Image.new("L", (2048, 2048))
     assert read_image(image, reduced=False).size == (2048, 2048)
     assert read_image(Image.new("L", (2047, 2900))).size == (2047, 2900)
-
-
-def test_the_strips_of_a_picture_with_a_palette_and_transparency_join_without_a_seam():
-    image = Image.new("P", (2100, 2050), 1)
-    image.putpalette([10, 20, 30, 200, 100, 50])
-    read = np.asarray(read_image(encoded(image, "PNG", transparency=0)))
-    assert (read == (200, 100, 50)).all()
-
-
-@pytest.mark.parametrize(
-    ("size", "wanted"), [((3000, 4000), 2), ((8160, 6120), 4), ((640, 480), 1)]
-)
-def test_a_jpeg_is_decoded_no_smaller_than_the_factor_asks(size, wanted):
-    assert draft_scale(*size) == wanted <= factor(*size)

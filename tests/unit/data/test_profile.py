@@ -126,16 +126,7 @@ def test_a_profile_without_a_name_is_of_the_only_other_domain():
         domain_of(nameless, ("A", "B", "C"), "A")
 
 
-def test_a_profile_file_comes_back_as_it_was(tmp_path, make_embeddings):
-    mine = replace(profile_of(make_embeddings(), domain="häßlich = 1"), step=0.75)
-    save_profile(tmp_path / "p.safetensors", mine)
-    back = load_profile(tmp_path / "p.safetensors")
-    assert (back.key, back.domain, back.counts) == (mine.key, mine.domain, mine.counts)
-    assert back.step == 0.75
-    np.testing.assert_array_equal(back.channels["tac"].variance, mine.channels["tac"].variance)
-
-
-@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "cut", "format", "none", "step"])
+@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "step"])
 def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
     file = tmp_path / "p.safetensors"
     mine = profile_of(make_embeddings(), domain="B")
@@ -147,12 +138,6 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
     }.get(spoilt, vis)
     step = float("nan") if spoilt == "step" else 1.0
     save_profile(file, replace(mine, step=step, channels={**mine.channels, "vis": changed}))
-    if spoilt == "cut":
-        file.write_bytes(file.read_bytes()[:-20])
-    if spoilt == "format":
-        file.write_bytes(file.read_bytes().replace(b"omnivat-profile-1", b"omnivat-profile-9"))
-    if spoilt == "none":
-        file.unlink()
     with pytest.raises(DataError) as caught:
         load_profile(file)
     assert str(file) in str(caught.value) and "\n" not in str(caught.value)

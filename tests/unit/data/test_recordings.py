@@ -4,14 +4,12 @@ import io
 import json
 import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.materials import NO_CLASS
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
 from omnivat.data.recordings.films import decoded
@@ -69,6 +67,7 @@ def lerobot(root, version="v2.1", kind="image", **more):
     (root / "meta").mkdir(parents=True)
     (root / "meta" / "info.json").write_text(json.dumps(info(version, kind, **more)))
     rows = [{"episode_index": n, "length": LENGTH, "tasks": [task]} for n, task in enumerate(TASKS)]
+    rows[0]["tasks"] = TASKS[0] if version == "v2.1" else rows[0]["tasks"]  # either is written
     groups = [[0], [1], [2]]
     if version == "v3.0":
         groups, places = [[0, 1, 2]], ["data", *(f"videos/{key}" for key in HALVES)]
@@ -163,11 +162,15 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
         "a.mp4;b.mp4;lab;Wood;oak;train;1;2;0,5",
         "a.mp4;b.mp4;lab;steel;;test;2.0;3;",
         "a.mp4;b.mp4;lab;steel;;test;3;2;",
+        "a.mp4;b.mp4;lab;steel;;test;2;99;",
+        "a.mp4;gone.mp4;lab;steel;;test;2;3;",
     )
     (tmp_path / "mine.csv").write_text("\n".join(rows))
     assert is_recording(tmp_path / "mine.csv")
     made = write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1)
-    assert (made.pairs, made.skipped[0].why) == (2, "Its end, 2 s, is not after its start.")
+    order, late, gone = [one.why for one in made.skipped]
+    assert (made.pairs, order) == (2, "Its end, 2 s, is not after its start.")
+    assert "ends before" in late and "gone.mp4" in gone
     first, second = read_pairs(tmp_path / "out").pairs
     assert (first.material, first.object, first.split, second.split) == (
         "wood",
@@ -203,14 +206,14 @@ def test_a_folder_of_films_with_a_spreadsheet_of_parts_keeps_one_object_of_a_fil
     assert "touches of 'touch video'" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("ending", ["tif", "gif", "webp"])
+@pytest.mark.parametrize("ending", ["tif", "gif"])
 def test_a_stack_of_pictures_is_a_film_of_one_object(tmp_path, ending, capsys):
     def saved(name, levels):
         first, *others = [Image.new("RGB", (48, 48), (10,) * 3) for _ in levels]
         for image, level in zip((first, *others), levels, strict=True):
             image.paste((level,) * 3, (0, 0, 24, 12))  # an eighth of it
         named = {"append_images": others, "save_all": True} if others else {}
-        first.save(tmp_path / name, **named, **({"lossless": True} if ending == "webp" else {}))
+        first.save(tmp_path / name, **named)
 
     saved(f"a.{ending}", [10, 10, 250, 10])
     saved("b.png", [90])
@@ -223,7 +226,7 @@ def test_a_stack_of_pictures_is_a_film_of_one_object(tmp_path, ending, capsys):
     assert "some pictures are films" in capsys.readouterr().out
 
 
-def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
+def test_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
     pytest.importorskip("av")
     root = lerobot(tmp_path / "press", "v3.0", "video")
     (tmp_path / "labels.csv").write_text("episode,class,sensor\n0.0,wood,A\n2,glass,B\n9,felt,B\n")
@@ -233,23 +236,6 @@ def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path
     assert "4 pairs of 2 recordings" in said
     assert "--labels does not list this episode." in said and "which is not there." in said
     assert read_pairs(tmp_path / "out").domains() == ("A", "B")
-    (tmp_path / "videos.csv").write_text(
-        f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n"
-    )
-    assert main(["import", str(tmp_path / "videos.csv"), "--out", str(tmp_path / "alone")]) == 0
-    assert len(read_pairs(tmp_path / "alone").pairs) == 5
-
-
-def test_damaged_and_missing_videos_are_left_out_with_reasons(tmp_path):
-    film(tmp_path / "good.mp4", range(100, 120))
-    (tmp_path / "cut.mp4").write_bytes((tmp_path / "good.mp4").read_bytes()[:900])
-    (tmp_path / "text.mp4").write_text("no video")
-    names = ("good", "cut", "text", "gone")
-    lines = [f"{name}.mp4,{name}.mp4,wood," for name in names] + ["good.mp4,good.mp4,wood,99"]
-    (tmp_path / "videos.csv").write_text("vis,tac,material,end\n" + "\n".join(lines))
-    count, skipped, *_ = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
-    assert count == 2 and len(skipped) == 4
-    assert "ends before" in skipped[-1].why and all(one.why.endswith(".") for one in skipped)
 
 
 def test_a_film_of_too_many_pixels_is_refused_before_its_pictures_are_decoded(
@@ -285,12 +271,9 @@ def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
     ("change", "words"),
     [
         ({"codebase_version": "v1.6"}, "v2 and v3 are read"),
-        ({"fps": 0}, "fps of .* is 0; it has to be a number"),
         ({"fps": "x"}, "fps of .* is 'x'"),
         ({"data_path": "../../{episode_index}.parquet"}, "leads out of"),
         ({"data_path": "{nobody}"}, "is '{nobody}'; it may hold {video_key}, {episode_index}"),
-        ({"data_path": "{video_key:03d}"}, "it may hold"),
-        ({"data_path": "data/\0.parquet"}, "it may hold"),
         ({"data_path": "{episode_index:999999999d}"}, "9d}' cannot be read"),
         ({"data_path": "{episode_index.real.__class__}"}, "__}' cannot be read"),
         ({"features": []}, "No camera of .* is called tactile"),
@@ -302,19 +285,6 @@ def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
     (root / "meta" / "info.json").write_text(json.dumps(info("v2.1", "image") | change))
     with pytest.raises(DataError, match=words):
         write_pairs(clips_of(root), tmp_path / "out")
-
-
-@pytest.mark.parametrize(
-    ("tasks", "material"),
-    [("wood", "wood"), (["wood"], "wood"), ({"a": 1}, NO_CLASS), ([["x"]], NO_CLASS)],
-)
-def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
-    root = lerobot(tmp_path / "press")
-    rows = [
-        {"episode_index": n, "length": LENGTH, "tasks": t} for n, t in enumerate((tasks, ["b"]))
-    ]
-    (root / "meta" / "episodes.jsonl").write_text("\n".join(map(json.dumps, rows)))
-    assert clips_of(root)[0].material == material
 
 
 def test_one_damaged_episode_is_left_out_and_named(tmp_path):
@@ -345,36 +315,13 @@ def test_a_stored_picture_is_bytes_and_never_the_name_of_a_file(tmp_path):
     assert (count, [one.what for one in skipped]) == (4, ["episode 1"])
 
 
-def test_two_touch_cameras_whose_names_end_alike_keep_their_own_pictures(tmp_path):
-    left, right = "observation.left.tac", "observation.right.tac"
-    root = lerobot(tmp_path / "press")
-    description = info(
-        "v2.1", "image", features={key: {"dtype": "image"} for key in (VIS, left, right)}
-    )
-    (root / "meta" / "info.json").write_text(json.dumps(description))
-    cells = {key: {"bytes": png(value)} for key, value in ((VIS, 9), (left, 50), (right, 150))}
-    for n in range(3):
-        file = root / f"data/chunk-000/episode_{n:06d}.parquet"
-        table(file, [{"episode_index": n, **cells}] * LENGTH)
-    count, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
-    found = read_pairs(tmp_path / "out")
-    assert count == len({pair.tac for pair in found.pairs}) == 12
-    assert found.domains() == (left, right)
-    assert {(pair.domain, round(seen(pair.tac))) for pair in found.pairs} == {
-        (left, 50),
-        (right, 150),
-    }
-
-
 @pytest.mark.parametrize(
     ("cameras", "photo", "touches"),
     [
         (["images.wrist", "tactile.left", "tactile.right"], "images.wrist", 2),
-        (["images.rgb", "images.depth", "images.GelSight_1"], "images.rgb", 1),
         (["images.contact_cam_scene", "images.digit0"], "images.contact_cam_scene", 1),
         (["images.stack_view", "images.obstacle_cam", "gelsightMini"], "--vis", 0),
         (["images.angel_top", "images.finger_left"], "--tac", 0),
-        (["images.finger_cam", "images.left_tac"], "--vis", 0),
         (["images.top"], "the photos alone with --vis", 0),
     ],
 )
@@ -392,24 +339,19 @@ def test_cameras_are_recognised_by_whole_words_and_others_are_asked_for(
     assert len(chosen) == touches and all(one.startswith(f"photo {photo}, touch") for one in chosen)
 
 
-@pytest.mark.parametrize(
-    ("column", "there"), [("tac", ("tac",)), ("vis", ("vis",)), ("mixed", ("tac",))]
-)
-def test_films_of_one_modality_keep_the_objects_splits_and_domain_of_their_table(
-    tmp_path, column, there, capsys
-):
+@pytest.mark.parametrize("mixed", [False, True])
+def test_films_of_touch_keep_the_objects_splits_and_domain_of_their_table(tmp_path, mixed, capsys):
     rows = ["vis;tac;Class;sensor;object;split"]
     for k, (thing, split) in enumerate((("mug", "train"), ("mug", "Training"), ("fork", "test"))):
         film(tmp_path / f"{k}.mp4", range(100, 120))
-        halves = {"tac": ("", f"{k}.mp4"), "vis": (f"{k}.mp4", "")}
-        mixed = ("2.mp4" * (k == 2), f"{k}.mp4")
-        rows.append(";".join((*halves.get(column, mixed), "ceramic", "rig, left", thing, split)))
+        photo = "2.mp4" if mixed and k == 2 else ""
+        rows.append(";".join((photo, f"{k}.mp4", "ceramic", "rig, left", thing, split)))
     (tmp_path / "press.csv").write_text("\n".join(rows))
     sheet = tmp_path / "look.png"
     line = ["import", str(tmp_path), "--out", str(tmp_path / "out"), "--frames", "2"]
     assert main([*line, "--look", str(sheet)]) == 0
     found = read_pairs(tmp_path / "out")
-    assert found.modalities() == there and found.domains() == ("rig, left",)
+    assert found.modalities() == ("tac",) and found.domains() == ("rig, left",)
     names = [("mug", "train")] * 4 + [("fork", "test")] * 2
     assert [(pair.object, pair.split) for pair in found.pairs] == names
     said = capsys.readouterr().out
@@ -433,17 +375,13 @@ def test_names_that_are_equal_as_folders_get_folders_of_their_own(tmp_path):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
 def test_a_pipe_is_refused_wherever_a_file_is_named(tmp_path, capsys):
     film(tmp_path / "a.mp4", range(100, 120))
-    for name in ("v.mp4", "in.csv", "in.npz"):
+    for name in ("v.mp4", "in.csv"):
         os.mkfifo(tmp_path / name)
     (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,v.mp4,wood\na.mp4,a.mp4,wood\n")
     count, skipped, *_ = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
     assert count == 2 and "pipe or device" in skipped[0].why
-    for line in (
-        ["try", str(tmp_path / "in.csv")],
-        ["import", str(tmp_path / "in.npz"), "--encoder", "x"],
-    ):
-        assert main([*line, "--out", str(tmp_path / "set.safetensors")]) == 1
-        assert "pipe or device" in capsys.readouterr().err
+    assert main(["try", str(tmp_path / "in.csv"), "--out", str(tmp_path / "set")]) == 1
+    assert "pipe or device" in capsys.readouterr().err
 
 
 def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
@@ -463,12 +401,3 @@ def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
     assert "names no video" in problems[-1]
     with pytest.raises(SettingsError, match="for LeRobot"):
         clips_of(films, tac=["x", "y"])
-    with pytest.raises(DataError, match="has no column 'x'"):
-        clips_of(films, vis="x")
-    assert not is_recording(Path("none.csv"))
-
-
-def test_the_command_wants_an_encoder_for_what_is_no_recording(tmp_path, capsys):
-    np.savez(tmp_path / "a.npz", vis=np.zeros((2, 3)))
-    assert main(["import", str(tmp_path / "a.npz"), "--out", str(tmp_path / "a.safetensors")]) == 1
-    assert "--encoder" in capsys.readouterr().err

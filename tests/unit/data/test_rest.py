@@ -10,7 +10,7 @@ from PIL import Image
 
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.readers import read_pairs
-from omnivat.data.rest import has_markers, minus_rest, rests_of, with_rest
+from omnivat.data.rest import has_markers, minus_rest, with_rest
 from omnivat.kit.errors import DataError
 
 
@@ -68,20 +68,3 @@ def test_a_rest_picture_that_is_not_there_is_refused(tmp_path):
 def test_the_sensors_with_printed_markers_are_known_in_simulated_domains_too():
     names = ("TAG", "TAG-sim", "TQ-T3D-sim", "TQ-DIGIT-sim", "OF 2.0 A", "lab")
     assert [has_markers(name) for name in names] == [True, True, True, False, False, False]
-
-
-def test_two_units_with_equal_rest_pictures_are_one_in_the_header(tmp_path):
-    for unit in "ab":
-        (tmp_path / unit).mkdir()
-        grey(100).save(tmp_path / unit / "rest.png")
-    pairs = tuple(
-        Pair(
-            vis=Path("x"),
-            tac=Path(u),
-            domain="d",
-            material="wood",
-            tac_rest=tmp_path / u / "rest.png",
-        )
-        for u in "ab"
-    )
-    assert [len(hashes) for hashes in rests_of(pairs).values()] == [1]

@@ -52,25 +52,6 @@ def test_pairs_without_an_object_are_each_their_own():
     assert held.sum() == 20
 
 
-def test_the_seed_decides_and_nothing_else():
-    arguments = ([str(i // 2) for i in range(60)], [i // 2 % 3 for i in range(60)], 0.3)
-    first = hold_out(*arguments, seed=1)
-    assert (first == hold_out(*arguments, seed=1)).all()
-    assert (first != hold_out(*arguments, seed=2)).any()
-
-
-def test_both_splits_have_their_shares_and_share_no_object():
-    given_pairs = pairs(
-        [(f"{m}{i}", m) for m in ("wood", "glass") for i in range(20) for _ in range(2)]
-    )
-    made = split_by_object(given_pairs, seed=0, test=0.3)
-    counts = Counter((p.split, p.material) for p in made)
-    assert {counts[s, "wood"] for s in ("train", "test")} == {28, 12}
-    sides = [{p.object for p in made if p.split == s} for s in ("train", "test")]
-    assert sum(map(len, sides)) == len(set.union(*sides)) == 40
-    assert [p.vis for p in made] == [p.vis for p in given_pairs]
-
-
 def test_a_domains_split_does_not_depend_on_the_others():
     one = pairs([(f"a{i}", "wood") for i in range(20)], "A")
     two = pairs([(f"a{i}", "wood") for i in range(30)], "B")

@@ -1,7 +1,6 @@
 """A set of embeddings on disk: it loads unchanged, and errors name damage."""
 
 import csv
-import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,7 +10,7 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
 
-from omnivat.data.arrays import Column, column, read_arrays, write_arrays
+from omnivat.data.arrays import read_arrays
 from omnivat.data.profile import profile_of
 from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings, write_manifest
@@ -62,18 +61,10 @@ def test_half_precision_takes_half_the_room_and_keeps_three_digits(embeddings, t
         assert handle.get_tensor("vis").dtype == np.float16
 
 
-def test_a_set_without_mirrored_copies_has_none(embeddings, file):
-    save_embeddings(file, replace(embeddings, vis_flip=None, tac_flip=None))
-    assert load_embeddings(file).vectors.keys() == {"vis", "tac"}
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_values_that_are_not_finite_are_not_written(embeddings, file, bad):
+def test_values_that_are_not_finite_are_not_written(embeddings, file):
     before = file.read_bytes()
-    embeddings.tac[1, 2] = bad
-    with pytest.raises(
-        DataError, match=r"set\.safetensors.* tac has (nan|-?inf) in row \d+, column \d+"
-    ):
+    embeddings.tac[1, 2] = np.inf
+    with pytest.raises(DataError, match=r"set\.safetensors.* tac has inf in row 1, column 2"):
         save_embeddings(file, embeddings)
     assert file.read_bytes() == before
     assert {path.name for path in file.parent.iterdir()} == {"set.csv", "set.safetensors"}
@@ -97,7 +88,7 @@ def test_a_value_too_large_for_half_precision_is_not_written(embeddings, tmp_pat
         save_embeddings(tmp_path / "half.safetensors", embeddings, dtype="float16")
 
 
-@pytest.mark.parametrize("share", [0.0, 0.001, 0.2, 0.9, 0.999])
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.999])
 def test_a_file_cut_short_is_refused_by_name(file, share):
     content = file.read_bytes()
     file.write_bytes(content[: int(len(content) * share)])
@@ -123,14 +114,12 @@ def rewritten(file, texts=(), **changes):
     ("changes", "match"),
     [
         ({"label": np.zeros(3, np.int64)}, "differing lengths"),
-        ({"tac": np.zeros((30, 5), np.float32)}, "differing lengths"),
         ({"label": np.full(30, 99)}, "label index without a name"),
         ({"domain": np.full(30, -1)}, "domain index without a name"),
         ({"vis": np.full((30, 24), np.nan, np.float32)}, "nan in row 0, column 0"),
         ({"vis": np.full((30, 24), 1e30, np.float32)}, "1e.30 in row 0, column 0"),
         ({"vis": np.full((30, 24), 1e-40, np.float32)}, "no value above"),
         ({"rows": np.frombuffer(b"{]", np.uint8)}, "cannot be read"),
-        ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
         ({"rows": np.zeros(2, np.int64)}, "'rows' should be the bytes of a JSON object"),
         ({"vis": np.zeros((30, 24), np.int64)}, "of type int64, expected float32 or float16"),
     ],
@@ -143,7 +132,7 @@ def test_arrays_that_do_not_fit_are_refused(file, changes, match):
         load_embeddings(file)
 
 
-@pytest.mark.parametrize("power", range(-45, 39, 3))
+@pytest.mark.parametrize("power", [-45, -9, -6, 6, 9, 36])
 def test_a_set_and_its_profile_are_refused_or_can_be_read_again_whatever_their_size(
     embeddings, tmp_path, power
 ):
@@ -195,30 +184,6 @@ def test_a_domain_its_split_and_an_unknown_one(embeddings):
 def test_loading_needs_no_torch():
     code = "import sys, omnivat.data.store; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_blocks_that_do_not_add_up_are_refused(tmp_path):
-    short = Column(dtype=np.dtype("float32"), shape=(4, 2), blocks=[np.zeros((3, 2), np.float32)])
-    with pytest.raises(ValueError, match="8 bytes less"):
-        write_arrays(tmp_path / "a.safetensors", {"a": short}, {})
-
-
-def test_arrays_of_every_type_and_of_no_length_return_and_start_where_their_type_wants_it(tmp_path):
-    arrays = {
-        "bytes": np.arange(5, dtype=np.uint8),
-        "whole": np.arange(3, dtype=np.int64),
-        "half": np.arange(3, dtype=np.float16),
-        "none": np.zeros((0, 7), np.float32),
-    }
-    file = tmp_path / "a.safetensors"
-    write_arrays(file, {n: column(a) for n, a in arrays.items()}, {"é": "ü"})
-    read, metadata = read_arrays(file)
-    assert metadata == {"é": "ü"}
-    length = int.from_bytes(file.read_bytes()[:8], "little")
-    table = json.loads(file.read_bytes()[8 : 8 + length])
-    for name, array in arrays.items():
-        assert read[name].dtype == array.dtype and np.array_equal(read[name], array)
-        assert (8 + length + table[name]["data_offsets"][0]) % array.itemsize == 0
 
 
 def test_a_name_that_is_no_text_is_refused_in_a_sentence_and_nothing_is_written(

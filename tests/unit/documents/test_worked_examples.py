@@ -2,9 +2,7 @@
 
 import doctest
 import inspect
-import tomllib
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -28,10 +26,3 @@ def test_a_public_function_or_class_shows_an_example_that_is_run(shown):
         if doctest.SKIP not in example.options
     ]
     assert run
-
-
-def test_every_example_of_the_library_is_run():
-    root = Path(omnivat.__file__).parents[1]
-    pytests = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pytest"]
-    assert "--doctest-modules" in pytests["ini_options"]["addopts"].split()
-    assert "omnivat" in pytests["ini_options"]["testpaths"]

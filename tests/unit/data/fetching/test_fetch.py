@@ -59,7 +59,6 @@ def server(tmp_path, monkeypatch):
         file = work / "data" / f"part_{k % 2}" / f"interaction_{k:04d}.jpg"
         file.parent.mkdir(parents=True, exist_ok=True)
         Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
-    (work / "large.bin").write_bytes(random.bytes(1000))
     (work / "data" / "part_0" / "interaction_0099.jpg").symlink_to("/etc/passwd")
     git(tmp_path, "init", "-q", str(work))
     git(work, "add", ".")
@@ -116,15 +115,6 @@ def test_another_folder_is_never_replaced(server, tmp_path):
     with pytest.raises(WriteError, match="name a new folder"):
         fetch(NAME, tmp_path / "out", source=str(server))
     assert (tmp_path / "out" / "mine.txt").read_text() == "mine"
-
-
-def test_only_the_files_that_are_needed_arrive(server, tmp_path):
-    clone = Repository(str(server), git(server, "rev-parse", "HEAD"), tmp_path / "clone")
-    files = clone.files(["data/*.jpg"])
-    assert len(files) == COUNT, "no link, no other file"
-    clone.bring(files.values())
-    large = git(server, "rev-parse", "HEAD:large.bin")
-    assert set(files.values()) <= clone._present() and large not in clone._present()
 
 
 def test_an_interrupted_fetch_leaves_no_folder_and_goes_on_later(server, tmp_path, monkeypatch):
@@ -185,14 +175,6 @@ def test_a_planted_folder_runs_nothing_and_the_set_arrives(server, tmp_path):
     assert not ran.exists() and away.is_dir() and not list(away.iterdir())
 
 
-def test_the_planted_settings_would_run_their_command(server, tmp_path):
-    clone, ran = tmp_path / "x" / "repository", tmp_path / "ran"
-    clone.mkdir(parents=True)
-    plant(clone, ran)
-    subprocess.run(["git", "-C", str(clone), "fetch", server.as_uri()], capture_output=True)
-    assert ran.exists()
-
-
 @pytest.mark.parametrize("source", ["ext::touch ran", "ssh://127.0.0.1/x", "http://127.0.0.1:9/x"])
 def test_a_transport_other_than_https_and_file_is_refused(tmp_path, monkeypatch, source):
     monkeypatch.chdir(tmp_path)
@@ -201,8 +183,7 @@ def test_a_transport_other_than_https_and_file_is_refused(tmp_path, monkeypatch,
     assert not (tmp_path / "ran").exists()
 
 
-@pytest.mark.parametrize("spoilt", ["a damaged pack", "a changed picture"])
-def test_a_damaged_unfinished_folder_is_fetched_anew(server, tmp_path, monkeypatch, spoilt):
+def test_a_damaged_unfinished_folder_is_fetched_anew(server, tmp_path, monkeypatch):
     def stop(step):
         if step.done == 4:
             raise KeyboardInterrupt
@@ -211,26 +192,13 @@ def test_a_damaged_unfinished_folder_is_fetched_anew(server, tmp_path, monkeypat
     with pytest.raises(KeyboardInterrupt):
         fetch(NAME, tmp_path / "out", source=str(server), on_step=stop)
     objects = tmp_path / ".out.part" / "repository" / "objects"
-    if spoilt == "a damaged pack":
-        for pack in objects.glob("pack/*.pack"):
-            pack.chmod(0o644)
-            pack.write_bytes(pack.read_bytes()[:-30])
-    else:
-        name = git(server, "rev-parse", "HEAD:data/part_0/interaction_0000.jpg")
-        for pack in objects.glob("pack/*"):
-            pack.unlink()
-        (objects / name[:2]).mkdir()
-        (objects / name[:2] / name[2:]).write_bytes(zlib.compress(b"blob 4\0evil"))
+    name = git(server, "rev-parse", "HEAD:data/part_0/interaction_0000.jpg")
+    for pack in objects.glob("pack/*"):
+        pack.unlink()
+    (objects / name[:2]).mkdir()
+    (objects / name[:2] / name[2:]).write_bytes(zlib.compress(b"blob 4\0evil"))
     out = fetch(NAME, tmp_path / "out", source=str(server))
     assert all(read_image(pair.tac).size == (32, 32) for pair in read_pairs(out).pairs)
-
-
-def test_a_name_that_is_not_utf_8_arrives_like_any_other(server, tmp_path):
-    clone = Repository(str(server), git(server, "rev-parse", "HEAD"), tmp_path / "clone")
-    name = git(server, "rev-parse", "HEAD:large.bin")
-    line = b"100644 blob " + name.encode() + b"\tdata/\xff\xfe.jpg\0"
-    clone._run = lambda *_: line
-    assert clone.files(["data/*"]) == {r"data/\xff\xfe.jpg": name}
 
 
 def test_a_truncated_repository_is_one_sentence(server, tmp_path):
@@ -241,7 +209,7 @@ def test_a_truncated_repository_is_one_sentence(server, tmp_path):
 
 
 def test_a_copy_here_without_some_files_gives_the_other_pairs_and_names_what_it_lacks(
-    server, tmp_path, monkeypatch
+    server, tmp_path
 ):
     git(server, "config", "uploadpack.allowFilter", "false")
     blobs = unpacked(server)
@@ -257,33 +225,13 @@ def test_a_copy_here_without_some_files_gives_the_other_pairs_and_names_what_it_
         blob.unlink()
     with pytest.raises(DataError, match=f"no pairs of {NAME} at .*: it lacks {COUNT} files"):
         fetch(NAME, tmp_path / "none", source=str(server))
-    for path in ("data/part_0/interaction_0000.jpg", "README.md"):
-        monkeypatch.setitem(fetching.LAYOUTS, NAME, lambda _, text, path=path: [text(path)])
-        with pytest.raises(DataError, match=f"lacks the file {path}; name another copy"):
-            fetch(NAME, tmp_path / "none", source=str(server))
     assert not (tmp_path / "none").exists()
-
-
-def test_a_changed_file_is_one_sentence(server, tmp_path):
-    first, second = unpacked(server)[:2]
-    first.chmod(0o644)
-    first.write_bytes(second.read_bytes())
-    with pytest.raises(DataError) as caught:
-        fetch(NAME, tmp_path / "out", source=str(server))
-    assert str(caught.value).count(". ") == 0 and not (tmp_path / "out").exists()
-
-
-def test_a_repository_with_another_history_is_one_sentence(server, tmp_path, monkeypatch):
-    pin(monkeypatch, "0" * 39 + "1")
-    with pytest.raises(DataError, match="lacks the commit 0000000"):
-        fetch(NAME, tmp_path / "out", source=str(server))
 
 
 @pytest.mark.parametrize(
     ("source", "words"),
     [
         ("https://127.0.0.1:9/nobody", "check the network"),
-        ("https://nobody.invalid/nobody", "check the network"),
         ("file:///nowhere/at/all", "no repository is there"),
     ],
 )
@@ -403,13 +351,10 @@ def test_the_command_lists_every_set_with_its_terms(capsys):
         assert f"{name}  " in text and one.said in text and one.source in text
 
 
-def test_the_command_fetches_prints_the_terms_and_fails_in_one_sentence(server, tmp_path, capsys):
-    out = tmp_path / "out"
-    assert main(["fetch", NAME, "--out", str(out), "--from", str(server)]) == 0
-    assert "Terms, in the authors' words" in capsys.readouterr().out
+def test_the_command_fails_in_one_sentence(tmp_path, capsys):
     assert main(["fetch", NAME, "--out", str(tmp_path / "b"), "--from", str(tmp_path / "no")]) == 1
     assert capsys.readouterr().err.count("\n") <= 2
-    assert main(["fetch", "--out", str(out)]) == 1
+    assert main(["fetch", "--out", str(tmp_path / "b")]) == 1
 
 
 @pytest.mark.slow
@@ -418,7 +363,7 @@ def test_trying_a_set_by_name_fetches_it_first(server, tmp_path, monkeypatch, ca
     monkeypatch.setattr(fetching, "fetched_sets", lambda: table)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(trial, "EPOCHS", 1)
-    assert main(["try", NAME, "--no-page"]) == 0
+    assert main(["try", NAME, "--no-page", "--encoder", "strip"]) == 0
     assert f"{COUNT} pairs, 1 domain(s): DIGIT" in capsys.readouterr().out
     assert (tmp_path / NAME / "TERMS.txt").is_file() and (
         tmp_path / f"{NAME}-try" / "head"

@@ -43,7 +43,6 @@ def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
     ("files", "pairs"),
     [
         (["TAG/Wood/a_*.png", "TAG/felt/a_*.png"], [("TAG", "wood", ""), ("TAG", "felt", "")]),
-        (["A/Wood/a_*.png", "B/wood/a_*.png"], [("A", "wood", ""), ("B", "wood", "")]),
         # an object in a class is another thing than that of the same name in another class
         (
             ["D/wood/1/a_*.png", "D/glass/1/a_*.png"],
@@ -51,7 +50,6 @@ def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
         ),
         # halves may differ in format and case
         (["D/wood/a_VIS.JPG", "D/wood/a_tac.webp"], [("D", "wood", "")]),
-        (["D/wood/c.v2_vis.tif", "D/wood/c.v2_tac.bmp"], [("D", "wood", "")]),
         (["a_*.png"], [("", NO_CLASS, "")]),
         (["D/a_*.png"], [("D", NO_CLASS, "")]),
         (["D/wood/1/2/a_*.png"], [("D", "wood", "wood/1/2")]),
@@ -78,11 +76,8 @@ def test_folders_name_what_they_can_and_pictures_alone_stand_for_both(tree, file
         (["train/wood/a_*.png", "Test/wood/a_*.png"], [("", "train"), ("", "test")]),
         (["val_set/D/wood/a_*.png"], [("D", "val")]),
         (["1_train_images/wood/a_*.png", "test data/wood/a_*.png"], [("", "train"), ("", "test")]),
-        (["D/valid/wood/a_*.png", "D/train/wood/a_*.png"], [("D", "train"), ("D", "val")]),
         (["D/wood/train/a_*.png"], [("D", "train")]),
-        (["train/wood/a_*.png", "notes/read.me"], [("", "train")]),
         (["wood_train/a_*.png", "wood_Test/b_*.png"], [("", "train"), ("", "test")]),
-        (["D/train-wood/a_*.png", "D/val-wood/b_*.png"], [("D", "train"), ("D", "val")]),
         (["D_training/wood/a_*.png", "D_test/wood/b_*.png"], [("D", "train"), ("D", "test")]),
     ],
 )
@@ -115,9 +110,7 @@ def test_photos_and_touches_are_paired_from_folders_whose_words_tell_or_that_are
     ("photo", "touch"),
     [
         ("D/wood/1_rgb.jpg", "D/wood/1_GelSight.png"),
-        ("D/wood/mug/photo.jpg", "D/wood/mug/touch.png"),
         ("D/wood/vis/e\u0301_1.png", "D/wood/tac/\u00e9_1.png"),
-        ("D/wood/rgb/img_0001.jpg", "D/wood/gelsight/gel 1.png"),
         ("rgb/D/wood/img_7.jpg", "gelsight/D/wood/7.png"),
         ("D\u00e9/wood/1_vis.png", "De\u0301/wood/1_tac.png"),
     ],
@@ -182,8 +175,6 @@ def test_a_domain_with_the_name_of_the_total_is_refused_before_anything_is_embed
 def test_links_in_circles_end_and_add_no_pair(tree, reasons):
     root = tree(PAIR)
     (root / "D" / "up").symlink_to(root)
-    (root / "D" / "out").symlink_to(root.parent)
-    (root / "D" / "wood" / "round").symlink_to(root / "D" / "wood")
     (root / "D" / "wood" / "b_vis.png").symlink_to(root / "nowhere")
     (root / "D" / "wood" / "c_vis.png").mkdir()
     (root / "E").symlink_to(root / "D")
@@ -192,8 +183,6 @@ def test_links_in_circles_end_and_add_no_pair(tree, reasons):
     assert len(found.pairs) == 1
     assert reasons(found) == {
         "D/up": "leads to a folder that is read already",
-        "D/out": "leads to a folder that is read already",
-        "D/wood/round": "leads to a folder that is read already",
         "D/wood/b_vis.png": "cannot be opened (a broken link?)",
         "E": "leads to a folder that is read already",
     }

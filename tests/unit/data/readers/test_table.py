@@ -3,8 +3,6 @@
 import unicodedata
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from omnivat.data.materials import NO_CLASS
 from omnivat.data.pairs import Pair
@@ -78,17 +76,6 @@ def test_a_name_is_found_in_any_unicode_form(tmp_path, tree, form):
     (tmp_path / "pairs.csv").write_text(f"vis,tac,material,object\n{cells}", "utf-8")
     (pair,) = read_pairs(tmp_path).pairs
     assert pair.tac.is_file() and pair.object == unicodedata.normalize("NFC", "Tür")
-
-
-def test_a_spreadsheet_is_a_table(tmp_path, tree):
-    openpyxl = pytest.importorskip("openpyxl")
-    tree("v.png", "t.png")
-    book = openpyxl.Workbook()
-    for row in (["vis", "tac", "Sensor", "Class", "item"], ["v.png", "t.png", "rig", "Wood", 7]):
-        book.active.append(row)
-    book.save(tmp_path / "pairs.xlsx")
-    (pair,) = read_pairs(tmp_path / "pairs.xlsx").pairs
-    assert (pair.domain, pair.material, pair.object) == ("rig", "wood", "7")
 
 
 def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):
@@ -171,12 +158,6 @@ def test_the_same_images_under_two_materials_are_refused_with_both_rows(table):
         read_pairs(file)
 
 
-def test_strict_leaves_out_classes_beyond_the_five(table, reasons):
-    file = table(f"{HEADER}\nv.png,t.png,TAG,wood\nt.png,v.png,TAG,felt\n")
-    assert len(read_pairs(file).pairs) == 2
-    assert reasons(read_pairs(file, strict=True))["row 3"].startswith("strict")
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -223,19 +204,3 @@ def test_of_two_columns_of_one_name_the_first_is_used_and_the_other_is_named(tab
 def test_a_file_that_is_no_csv_is_refused(tree):
     with pytest.raises(DataError, match="is a file, but pairs come from a folder or a CSV"):
         read_pairs(tree("a_vis.png") / "a_vis.png")
-
-
-@given(
-    st.text(st.sampled_from('v.pngt,\n\r"; \ufeff\0é\ud800'), max_size=60).map(
-        lambda text: text.encode("utf-8", "surrogatepass")
-    )
-)
-def test_any_bytes_are_read_or_refused_in_one_sentence(tmp_path_factory, content):
-    folder = tmp_path_factory.mktemp("table")
-    (folder / "v.png").write_bytes(b"")
-    (folder / "pairs.csv").write_bytes(HEADER.encode() + b"\nv.png,v.png,D,wood\n" + content)
-    try:
-        assert read_pairs(folder).pairs
-    except DataError as error:
-        said = str(error)
-        assert said.isprintable()

@@ -58,18 +58,6 @@ def test_inconclusive_foreign_and_broken_lines_are_counted(lists):
     assert counts["lines that are not <clip>/<number>.jpg,<label>"] == 3
 
 
-def test_a_missing_half_is_counted_by_clip(lists):
-    root = lists([(1, i, WOOD) for i in range(4)])
-    (root / "dataset/1/video_frame/0000000001.jpg").unlink()
-    (root / "dataset/1/gelsight_frame/0000000002.jpg").unlink()
-    found = read_pairs(root)
-    assert len(found.pairs) == 2
-    assert {s.why for s in found.skipped} == {
-        "no image in video_frame",
-        "no image in gelsight_frame",
-    }
-
-
 def test_classes_are_balanced_to_the_smallest_in_each_split(lists):
     train = [(1, i, WOOD) for i in range(8)] + [(2, i, GLASS) for i in range(3)]
     test = [(1, i, WOOD) for i in range(8, 12)] + [(3, 0, GLASS)]
