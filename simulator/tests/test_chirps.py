@@ -26,7 +26,7 @@ def nearest_place(settings, rows, order):
     return seen[:, places(settings)].argmax(1)
 
 
-@pytest.mark.parametrize("order", [0.0, 0.1, 0.35, 0.8, 1.0])
+@pytest.mark.parametrize("order", [0.0, 0.35])
 def test_the_class_can_be_read_at_p_star_and_not_elsewhere(order):
     settings = ChirpSettings(order=order, pairs_per_class=40)
     made = chirp_embeddings(settings)
@@ -37,7 +37,7 @@ def test_the_class_can_be_read_at_p_star_and_not_elsewhere(order):
         assert away < 0.45
 
 
-@pytest.mark.parametrize("order", [0.0, 0.2, 0.35, 0.5, 0.77, 1.0])
+@pytest.mark.parametrize("order", [0.0, 0.35, 0.77])
 def test_no_interference_lies_near_p_star_and_no_two_share_an_order(order):
     found = interference_orders(ChirpSettings(order=order))
     assert np.abs(found - order).min() >= 0.25 - 1e-9
@@ -62,8 +62,7 @@ def test_the_same_seed_gives_the_same_signals_and_another_seed_others():
 
 
 @pytest.mark.parametrize(
-    ("kind", "side", "allowed"),
-    [("PNG", 256, 0.005), ("JPEG", 256, 0.04), ("PNG", 224, 0.2), ("JPEG", 640, 0.05)],
+    ("kind", "side", "allowed"), [("PNG", 256, 0.005), ("PNG", 224, 0.2), ("JPEG", 640, 0.05)]
 )
 def test_a_picture_of_a_signal_gives_the_signal_back(kind, side, allowed):
     signal = signals(SMALL)["tac"][3]

@@ -21,7 +21,6 @@ def test_the_package_runs_as_a_module_and_lists_its_commands():
     [
         (["sett"], "no command 'sett'. Did you mean 'set'?"),
         (["set", "--out", "x", "--workers", "-1"], "'-1'; give a whole number, 1 or more"),
-        (["twins", "--out", "x", "--examples-per-class", "0"], "'0'; give a whole number, 1 or"),
         (["chirps", "--out", "x", "--workers", "2"], "unrecognized arguments: --workers"),
     ],
 )

@@ -4,8 +4,8 @@ import numpy as np
 
 from simulator.noise import plane
 from simulator.shapes import Spot
-from simulator.shapes.solid import block, turned
-from simulator.shapes.spots import BELOW, contact_height
+from simulator.shapes.solid import turned
+from simulator.shapes.spots import contact_height
 
 RADIUS = 30.0
 
@@ -27,16 +27,3 @@ def test_a_cylinder_has_no_facets():
     height = contact_height(cylinder(), cylinder_spot(), field=16.0, size=96)
 
     np.testing.assert_allclose(height, np.sqrt(RADIUS**2 - x**2) - RADIUS, atol=1e-3)
-
-
-def test_an_edge_stays_sharp_and_nothing_lies_beyond_it():
-    box = block((60.0, 60.0, 20.0), bevel=0.5)
-    edge = Spot(
-        point=np.array([27.0, 0.0, 10.0]), normal=np.array([0.0, 0.0, 1.0]),
-        tangent=np.array([1.0, 0.0, 0.0]), uv=np.zeros(2),
-    )  # fmt: skip
-    height = contact_height(box, edge, field=16.0, size=128)
-    x, _ = plane(16.0, 128)
-
-    np.testing.assert_allclose(height[x < 2.3], 0.0, atol=0.02)
-    assert (height[x > 3.1] == BELOW).all()
