@@ -86,7 +86,6 @@ FIGURES = {
         title="Four pairs",
         caption="The axes have no unit",
     ),
-    "tall": lambda: FIGURES["map"]().update_layout(height=900),
     "curves": lambda: figures.gap_curves(frames()),
     "retrained": lambda: figures.gap_curves(retrained(), order=0.7, name="a name of its own"),
     "staircase": lambda: figures.staircase(retrained()),
@@ -134,16 +133,6 @@ FIGURES = {
                 (("nothing", 0), ("a profile", 20)), accuracies, strict=True
             )
         ]
-    ),
-    "touches": lambda: figures.gap_tables(
-        {
-            "measure": "frechet",
-            "stage": "f_hat",
-            "pairs": 8,
-            "modality_gap": {"all": None},
-            "floor": {"tac": 0.25},
-            "domain_gap": {"tac": apart(1.5, 1.0)},
-        }
     ),
 }
 

@@ -37,22 +37,10 @@ def test_orders_add(seed, size, a, b, kind):
     assert close(dfrft(dfrft(x, a), b), dfrft(x, a + b), kind, x)
 
 
-@given(SEEDS, SIZES, ORDERS, st.integers(-1000, 1000), KINDS)
-def test_the_period_is_four(seed, size, p, n, kind):
-    x = draw(seed, size, kind)
-    assert close(dfrft(x, p + 4 * n), dfrft(x, p), kind, x)
-
-
 @given(SEEDS, SIZES, ORDERS, KINDS)
 def test_sums_go_to_sums(seed, size, order, kind):
     x, y = draw(seed, size, kind), draw(seed + 1, size, kind)
     assert close(dfrft(2 * x - y, order), 2 * dfrft(x, order) - dfrft(y, order), kind, x)
-
-
-@given(SEEDS, SIZES, ORDERS)
-def test_real_input_at_minus_p_is_the_conjugate(seed, size, order):
-    x = draw(seed, size, torch.float64)
-    assert close(dfrft(x, -order), dfrft(x, order).conj(), torch.float64, x)
 
 
 @given(SEEDS, SIZES, ORDERS, st.floats(1e-30, 1e30))

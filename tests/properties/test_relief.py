@@ -11,7 +11,7 @@ from omnivat.data.relief import lamps, slopes
 from omnivat.data.relief.surface import integrated
 from tests.unit.data.reliefs import cosine, pressed, shown, touches
 
-few = settings(max_examples=12, deadline=None)
+few = settings(max_examples=8, deadline=None)
 seeds = st.integers(0, 2**20)
 FOUND = lamps(touches(3, 6), dots="keep")
 
@@ -31,14 +31,12 @@ def test_lamps_are_recovered_from_random_reliefs(seed, count, entries):
     ("change", "turned"),
     [
         (lambda p: np.rot90(p), lambda m: np.stack([m[:, 1], -m[:, 0]], 1)),
-        (lambda p: np.rot90(p, 2), lambda m: -m),
         (lambda p: p[:, ::-1], lambda m: m * [-1, 1]),
-        (lambda p: p[::-1], lambda m: m * [1, -1]),
         (lambda p: p[..., ::-1], lambda m: m[::-1]),
         (lambda p: 255 - p, lambda m: -m),
         (lambda p: 64 + p // 2, lambda m: m / 2),
     ],
-    ids=["turned", "upside", "mirrored", "flipped", "swapped", "negative", "fainter"],
+    ids=["turned", "mirrored", "swapped", "negative", "fainter"],
 )
 def test_lamps_turn_mirror_swap_and_fade_with_the_picture(change, turned):
     """The negative alone changes what is hollow: its relief is the opposite, its lamps the same."""

