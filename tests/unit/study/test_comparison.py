@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.data.store import save_embeddings
 from omnivat.head import linear_maps
 from omnivat.kit.errors import DataError
 from omnivat.study.comparison import compare, table
@@ -99,13 +98,6 @@ def test_zeros_beside_a_narrow_encoder_change_no_cell_of_its_modality(made):
     assert first == other and [one["width"] for one in found["sets"]] == [WIDTH, WIDTH]
 
 
-def test_without_a_split_whole_objects_are_left_out_at_home(made):
-    one = made(clear=3)
-    whole = replace(one, embeddings=one.embeddings.unsplit)
-    found = compare({"one": whole, "two": whole}, draws=1, cost=False)
-    assert cells(found, "home")["one"]["value"] > 0.95
-
-
 def test_a_sentence_names_the_pairs_that_differ(made):
     fewer = {"one": made(), "two": made(order=np.arange(1, PAIRS))}
     with pytest.raises(DataError, match="'two' lacks 1 of the 120 of 'one', such as A/wood/a0"):
@@ -153,9 +145,7 @@ def test_the_command_writes_table_numbers_and_figure(made, tmp_path, capsys):
     assert "Two sets are called 'a'; name one with NAME=FILE." in capsys.readouterr().err
 
 
-def test_numbers_of_a_table_reach_the_report_through_embed_and_through_vectors(
-    made, tmp_path, capsys
-):
+def test_numbers_beside_vectors_reach_the_report(made, tmp_path, capsys):
     one = made(forced=3).embeddings
     force = np.array(one.rows["force"], float)
     names = np.array(one.header.domains)[one.domain]
@@ -165,15 +155,3 @@ def test_numbers_of_a_table_reach_the_report_through_embed_and_through_vectors(
     assert main(list(map(str, words))) == 0
     assert "force, predicted by ridge regression: home, R² 0." in capsys.readouterr().out
     assert 'force,"home, R²"' in (tmp_path / "out" / "numbers.csv").read_text("utf-8")
-
-    lines = ["tac,domain,material,force,word"]
-    for k in range(4):
-        Image.new("RGB", (64, 64), (40 * k, 90, 90)).save(tmp_path / f"{k}_tac.png")
-        lines.append(f"{k}_tac.png,A,{'wood' if k % 2 else 'steel'},{k}.5,w{k}")
-    (tmp_path / "pairs.csv").write_text("\n".join(lines))
-    out = tmp_path / "set.safetensors"
-    assert (
-        main(["embed", str(tmp_path / "pairs.csv"), "--encoder", "strip", "--out", str(out)]) == 0
-    )
-    rows = load_embeddings(out).rows
-    assert rows["force"] == ["0.5", "1.5", "2.5", "3.5"] and "word" not in rows

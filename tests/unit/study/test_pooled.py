@@ -1,19 +1,16 @@
 """A head of all domains: what it reads, what it keeps, and that its maps decide."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import torch
 
-from omnivat.data.profile import profile_of
 from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.linear_maps import fit_maps
 from omnivat.head.predict import predict_embeddings
 from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
 from omnivat.study import pooled
-from omnivat.study.pooled import ALL, _pooled, level, pooled_head, with_maps
+from omnivat.study.pooled import ALL, pooled_head, with_maps
 from omnivat.training import TrainSettings
 from tests.builders import move_domains
 
@@ -39,25 +36,6 @@ def pairs(embeddings, rows):
     return [torch.from_numpy(np.array(x[rows])) for x in (embeddings.vis, embeddings.tac)]
 
 
-def test_domains_are_moved_onto_one_profile(shifted):
-    levelled, base = level(shifted, DOMAINS)
-    for name in DOMAINS:
-        near = profile_of(levelled, levelled.rows_of(name, split="train"))
-        far = profile_of(shifted, shifted.rows_of(name, split="train"))
-        gaps = [
-            np.abs(p.channels["tac"].mean - base.channels["tac"].mean).mean() for p in (near, far)
-        ]
-        assert gaps[0] < 0.2 * gaps[1]
-
-
-def test_pairs_of_all_domains_are_one_object_only_if_domain_and_name_agree(shifted):
-    some = shifted.select(np.arange(3))
-    two_domains = replace(some, domain=np.array([0, 0, 1]))
-    for names, objects in ((["a", "a", "a"], 2), (["", "", ""], 3)):
-        pooled = _pooled(replace(two_domains, rows={**some.rows, "object": names}))
-        assert len(set(pooled.rows["object"])) == objects
-
-
 def test_pictures_without_labels_bring_back_a_domain_left_out(head):
     found = head.metrics["left_out"]
     assert set(found) == {"0", "5", "20"}
@@ -65,20 +43,6 @@ def test_pictures_without_labels_bring_back_a_domain_left_out(head):
     assert found["20"]["fused"] > 0.8
     # calibrated with 20 pictures: without any, the maps would be wrong and hot
     assert max(head.provenance["maps"]["temperature"].values()) < 1
-
-
-def test_a_profile_moves_pictures_of_one_domain_where_the_head_reads_them(head, shifted):
-    rows = shifted.rows_of("OF Real-sim", split="test")
-    profile = profile_of(shifted, shifted.rows_of("OF Real-sim", split="train"))
-    names = [shifted.header.classes[k] for k in shifted.label[rows]]
-    right = [
-        np.mean([one["prediction"] == name for one, name in zip(said, names, strict=True)])
-        for said in (
-            predict_embeddings(head, *pairs(shifted, rows)),
-            predict_embeddings(head, *pairs(shifted, rows), profile=profile),
-        )
-    ]
-    assert right[1] > max(0.8, right[0])
 
 
 def test_the_maps_decide_each_reading_and_their_mean_a_pair(head, shifted):

@@ -1,6 +1,5 @@
 """Runs: records, resuming, processes, and methods that cannot run."""
 
-import gzip
 import json
 from base64 import b64decode
 
@@ -12,7 +11,7 @@ from omnivat.cli import main
 from omnivat.data.packing import unpacked
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
-from omnivat.kit.errors import DataError, MissingNameError
+from omnivat.kit.errors import MissingNameError
 from omnivat.study.protocol import records
 from omnivat.study.protocol.engine import planned, run_all
 from omnivat.study.protocol.methods import Method, methods_named
@@ -71,13 +70,12 @@ def executed(name, pairs):
     return execute(Run(method=method, source="TAG", seed=0), pairs, load_bank())
 
 
-@pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_maps"])
-def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file, name):
+def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file):
     """Other touches do not change "vis" but change "fused": no branch is used as "alone"."""
     pairs = load_embeddings(file)
-    before = executed(name, pairs)["targets"]["OF Real-sim"]
+    before = executed("omnivat", pairs)["targets"]["OF Real-sim"]
     pairs.tac[pairs.domain == 1] = pairs.tac[pairs.domain == 1][::-1] * 3
-    after = executed(name, pairs)["targets"]["OF Real-sim"]
+    after = executed("omnivat", pairs)["targets"]["OF Real-sim"]
     assert before["scores"]["vis"] == after["scores"]["vis"]
     assert before["margins"]["vis"] == after["margins"]["vis"]
     assert before["odds"] != after["odds"]
@@ -90,7 +88,7 @@ def test_the_first_seed_of_a_baseline_chooses_for_all_seeds_of_a_source(file, tm
     assert first["chosen"] == second["chosen"] and first["targets"] != second["targets"]
 
 
-@pytest.mark.parametrize("name", ["linear_maps", "omnivat", "erm_mlp", "nearest_mean"])
+@pytest.mark.parametrize("name", ["omnivat", "nearest_mean"])
 def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file, name):
     for target in executed(name, load_embeddings(file))["targets"].values():
         assert len(unpacked(target["objects"])) == target["pairs"] == len(target["truth"])
@@ -163,15 +161,3 @@ def test_processes_side_by_side_give_the_same_records(file, runs, tmp_path):
 def test_an_unknown_method_is_refused_with_the_nearest():
     with pytest.raises(MissingNameError, match="Did you mean 'linear_maps'"):
         methods_named(["linear_map"], {}, {})
-
-
-def test_a_line_that_is_no_record_is_named(tmp_path):
-    (tmp_path / "runs.jsonl").write_text('{"format": "omnivat-run-1"}\n{"a": 1}\n')
-    with pytest.raises(DataError, match=r"Line 2 of .* is not a record"):
-        records.read(tmp_path / "runs.jsonl")
-
-
-def test_records_may_be_compressed(tmp_path):
-    line = '{"format": "omnivat-run-1", "seed": 0}\n'
-    (tmp_path / "runs.jsonl.gz").write_bytes(gzip.compress(line.encode()))
-    assert records.read(tmp_path / "runs.jsonl.gz") == [json.loads(line)]

@@ -65,12 +65,6 @@ def test_a_tacquad_source_learns_outdoors_and_is_answered_indoors_without_cerami
         assert pairs.header.classes.index("ceramic") not in pairs.label
 
 
-def test_other_sources_keep_ceramic_and_both_parts(eight):
-    found = task(eight, "OF Real")
-    assert len(found.classes) == 5
-    assert set(found.targets["TQ-DIGIT-sim"].rows["part"]) == {"indoor", "outdoor"}
-
-
 def test_no_pair_is_learned_from_and_answered(eight):
     for source in SETTINGS:
         found = task(eight, source)

@@ -11,6 +11,7 @@ from omnivat.head.predict_set import predicted_probabilities
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.sweep import sweep
+from omnivat.study import retrained
 from omnivat.study.retrained import heads_at_stops, retrained_frames, stop_folder
 from omnivat.training import TrainSettings, plan_training, trained_head
 from tests.builders import equal_weights
@@ -35,6 +36,18 @@ def folder(plan, tmp_path_factory):
     return path
 
 
+def test_what_processes_are_given_writes_the_same_heads(plan, folder, tmp_path, monkeypatch):
+    def here(work, stops, jobs, prepare, *given):
+        prepare(*given)
+        return map(work, stops)
+
+    monkeypatch.setattr(retrained, "in_processes", here)
+    monkeypatch.setattr(retrained, "pin_thread", int)
+    assert heads_at_stops(plan, ORDERS[:1], tmp_path, jobs=2) == 1
+    one, other = (load_head(stop_folder(f, 0.0, 0)).model for f in (folder, tmp_path))
+    assert torch.equal(one.classifier, other.classifier)
+
+
 @pytest.fixture(scope="module")
 def frames(plan, folder):
     return retrained_frames(plan, ORDERS, folder, seeds=(0, 1))
@@ -55,14 +68,6 @@ def test_heads_that_are_there_are_not_trained_again(plan, folder):
     assert heads_at_stops(longer, (0.0,), folder, seeds=(7,)) == 1  # other settings, other heads
 
 
-@pytest.mark.slow
-def test_processes_give_the_same_heads_as_one(plan, folder, tmp_path):
-    assert heads_at_stops(plan, ORDERS[:2], tmp_path, jobs=2) == 2
-    for order in ORDERS[:2]:
-        one, other = (load_head(stop_folder(f, order, 0)).model for f in (folder, tmp_path))
-        assert torch.equal(one.classifier, other.classifier)
-
-
 def test_frames_agree_with_the_library_at_every_stop(plan, folder, frames):
     for index, order in enumerate(ORDERS):
         model = load_head(stop_folder(folder, order, 0)).model
@@ -81,25 +86,6 @@ def test_curves_over_seeds_hold_mean_and_spread_of_held_out_pairs(folder, frames
     assert frames.curves["seeds:accuracy/unseen/std"][2] == pytest.approx(np.std(scores, ddof=1))
     assert frames.curves["seeds:accuracy/unseen/low"][2] == pytest.approx(min(scores))
     assert {"seeds:modality_gap/f_hat/mean", "seeds:accuracy:vis/unseen/mean"} <= set(frames.curves)
-
-
-def test_every_moving_stage_has_a_map_for_each_head(frames):
-    assert frames.head["kind"] == "retrained" and frames.head["learned_order"] is None
-    assert frames.head["seeds"] == [0, 1]
-    assert frames.maps["pca/raw"].orders == (0,)
-    for name in ("pca/frft", "pca/relu", "pca/f_bar", "pca/f_hat", "umap/f_hat"):
-        assert frames.maps[name].orders == (0, 1, 2)
-
-
-def test_stopped_work_keeps_its_finished_heads(plan, tmp_path):
-    def stop(step):
-        if step.done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        heads_at_stops(plan, ORDERS, tmp_path, on_step=stop)
-    assert stop_folder(tmp_path, 0.0, 0).is_dir()
-    assert heads_at_stops(plan, ORDERS, tmp_path) == 2
 
 
 def test_no_order_is_refused(plan, tmp_path):

@@ -34,18 +34,6 @@ def test_folds_keep_objects_whole_and_differ(source):
     assert len({tuple(held.tolist()) for _, held in found}) > 1
 
 
-def test_one_candidate_is_taken_without_fitting(source):
-    def fit(part, candidate):
-        raise AssertionError("fitted for nothing")
-
-    assert best(source, {"only": 1}, fit) == "only"
-
-
-def test_where_nothing_can_be_held_out_the_first_candidate_is_taken(source):
-    one_object_each = source.select(torch.tensor([0, 1, 2]))
-    assert best(one_object_each, {"a": 1, "b": 2}, lambda part, c: None) == "a"
-
-
 def test_the_flipped_copies_of_held_out_objects_are_not_fitted(source):
     flipped = torch.randn(36, 12)
     both = replace(source, vis_flip=flipped, tac_flip=flipped)
@@ -70,15 +58,6 @@ def test_a_low_log_loss_counts_before_right_answers(source):
 
     alike = replace(source, labels=torch.zeros(36, dtype=torch.long))
     assert best(alike, shares, fit) == "careful"
-
-
-def test_what_another_seed_chose_is_not_chosen_again(source):
-    settled = replace(source, settled=("C of another method", "b"))
-
-    def fit(part, choice):
-        raise AssertionError("nothing is fitted")
-
-    assert best(settled, {"a": 1, "b": 2}, fit) == "b"
 
 
 def test_noise_reaches_every_drawn_row_and_the_copies_of_a_solved_method(source):

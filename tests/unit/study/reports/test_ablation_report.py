@@ -25,21 +25,3 @@ def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns
     assert points["0.3"] == [0.51, 0.0141]  # of TAG alone
     assert list(points) == [f"{tenth / 10:g}" for tenth in range(11)]
     assert "mean of 2 sources" in (tmp_path / "fixed_order.svg").read_text()
-
-
-def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
-    table = ABLATIONS["class_token"]
-    found = [
-        record(method_name(row), source, seed, [0.5 + 0.01 * seed])
-        for row in table.rows
-        for source in ("TAG-sim", "OF 2.0 A-sim")
-        for seed in (0, 1)
-    ]
-    order = ABLATIONS["order"]
-    found += [record(method_name(row), "TAG-sim", 0, [0.5]) for row in order.rows]
-    text = write_ablations(found, chosen(("class_token", "order")), tmp_path)
-    line = next(x for x in text.splitlines() if x.startswith("| OmniVaT (without class token)"))
-    assert "50.5 ± 0.7 / 40.5 ± 0.7 | 55.8 / 53.5" in line
-    assert "58.3 / 57.7" in line
-    assert "printed, ViT-B/16 *not comparable*" in text
-    assert (tmp_path / "order.svg").read_text().count("<circle") == 14

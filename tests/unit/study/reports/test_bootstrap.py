@@ -3,7 +3,6 @@
 import pytest
 
 from omnivat.study.reports.bootstrap import (
-    _objects,
     complete_rows,
     draws_for,
     percentile,
@@ -22,31 +21,11 @@ def test_the_headline_names_the_best_other_row_whichever_modality_it_uses():
     assert "Difference -10.0" in text
 
 
-def test_resampled_metrics_are_those_of_the_records():
-    found = grid("omnivat", 0.75)
-    drawn = draws_for(found)
-    values = resampled(found, ("omnivat", "fused"), drawn)
-    assert values["accuracy"].value == pytest.approx(0.75)
-    assert values["macro_f1"].value == pytest.approx(0.75)
-    assert values["accuracy"].draws.mean() == pytest.approx(0.75, abs=0.02)
-
-
 def test_test_objects_that_are_reused_count_once():
     """Six runs that share 40 objects are as uncertain as one: sd of a mean of 40 at 0.75."""
     found = grid("omnivat", 0.75)
     draws = resampled(found, ("omnivat", "fused"), draws_for(found))["accuracy"].draws
     assert draws.std() == pytest.approx((0.75 * 0.25 / 40) ** 0.5, rel=0.1)
-
-
-def test_every_draw_holds_as_many_objects_of_each_class_as_the_domain():
-    drawn = draws_for(found := grid("omnivat", 0.75))
-    for domain, classes in _objects(found).items():
-        for label in set(classes.values()):
-            columns = [
-                drawn.objects[domain].index(one) for one, name in classes.items() if name == label
-            ]
-            assert 0 < len(columns) < len(classes)
-            assert (drawn.weights[domain][:, columns].sum(1) == len(columns)).all()
 
 
 def test_simultaneous_intervals_are_wider_than_single_ones_and_grow_with_the_rows():

@@ -3,12 +3,9 @@
 import csv
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
-import threadpoolctl
-import torch
 from scipy.stats import t as student
 
 from omnivat.cli import main
@@ -18,7 +15,6 @@ from omnivat.study.shift import read_features
 from omnivat.study.shift.measure import _summed, gaps, interval, neighbours, retrieval
 from omnivat.study.shift.probe import UNEVEN, probes
 from omnivat.study.shift.reading import features_of
-from omnivat.study.shift.report import numbers
 from omnivat.study.shift.words import methods, notes
 
 
@@ -53,19 +49,6 @@ def mean_of(records, measure, **fields):
     return next(r for r in records if all(r[k] == v for k, v in wanted.items()))
 
 
-@pytest.mark.usefixtures("two_threads")
-def test_small_matrices_are_measured_on_one_thread(made):
-    seen = []
-    numbers(
-        read_features(made()), lambda step: seen.extend([torch.get_num_threads(), *blas_threads()])
-    )
-    assert set(seen) == {1} and torch.get_num_threads() == 2
-
-
-def blas_threads():
-    return [i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"]
-
-
 def test_equal_photos_and_touches_have_no_gap_and_find_their_partner(made):
     found = read_features(made(same=True))
     assert mean_of(gaps(found, ignore), "centroid", modality="")["value"] == pytest.approx(
@@ -83,15 +66,6 @@ def test_of_a_large_set_every_reader_draws_the_same_pairs(made, monkeypatch):
     found, again = read_features(made()), features_of(whole.embeddings)
     assert (len(found.embeddings), found.drawn_of) == (20, 80)
     np.testing.assert_array_equal(found.embeddings.vis, again.embeddings.vis)
-
-
-def test_unrelated_photos_and_touches_are_found_at_chance(made):
-    random = np.random.default_rng(1)
-    noise = {"vis": random.normal(size=(400, 16)), "tac": random.normal(size=(400, 16))}
-    for line in retrieval(read_features(made(pairs=400, **noise))):
-        if line["measure"] == "recall@10":
-            assert line["low"] - 0.03 <= 10 / 200 <= line["high"] + 0.03
-            assert line["note"] == "chance 0.0500"
 
 
 def test_an_offset_raises_the_gap_and_costs_a_probe_what_a_profile_gives_back(made):
@@ -112,20 +86,6 @@ def test_an_offset_raises_the_gap_and_costs_a_probe_what_a_profile_gives_back(ma
     )
 
 
-def test_the_gap_of_one_distribution_is_near_the_level_of_two_halves(made):
-    random = np.random.default_rng(2)
-    records = gaps(read_features(made(vis=random.normal(size=(80, 16)))), ignore)
-    gap, level = (
-        next(
-            r
-            for r in records
-            if (r["part"], r["measure"], r["modality"], r["from"]) == (part, "mmd_rbf", "vis", "")
-        )
-        for part in ("domain gap", "no gap")
-    )
-    assert gap["value"] < 2 * level["value"]
-
-
 def test_an_interval_covers_the_mean_and_widens_when_pairs_share_objects():
     values = np.random.default_rng(0).random(200)
     alone, grouped = (
@@ -135,19 +95,6 @@ def test_an_interval_covers_the_mean_and_widens_when_pairs_share_objects():
     assert alone[0] < values.mean() < alone[1]
     assert grouped[1] - grouped[0] > 2 * (alone[1] - alone[0])
     assert all(math.isnan(end) for end in interval(values, np.zeros(200)))
-
-
-@pytest.mark.slow
-def test_the_figures_of_a_scaled_set_are_those_of_the_unscaled_one(made):
-    """Within the range that a set may have, nothing depends on the unit of the embeddings."""
-    found = read_features(made(pairs=40))
-    rows = {
-        name: getattr(found.embeddings, name) * np.float32(scale)
-        for name, scale in (("vis", 1e7), ("tac", 1e-5))
-    }
-    scaled = replace(found, embeddings=replace(found.embeddings, **rows))
-    for one, other in zip(numbers(found), numbers(scaled), strict=True):
-        assert other["value"] == pytest.approx(one["value"], rel=2e-3, abs=2e-3), one
 
 
 def test_the_interval_of_a_mean_gap_is_a_jackknife_of_eight_blocks_with_students_t():
@@ -238,18 +185,6 @@ def test_domains_without_gaps_are_told(made, monkeypatch):
     for most, more in ((2, []), (1, ["Gaps are of the 1 largest domains."])):
         monkeypatch.setattr("omnivat.study.shift.words.MOST_DOMAINS", most)
         assert notes(found) == [few, *more]
-
-
-def test_the_methods_name_what_was_measured_and_nothing_else(made):
-    whole = methods(read_features(made(), encoder="mine"), 0)
-    assert whole.startswith(
-        "Features of mine (16 values) of 80 pairs, each an object (=A 40, B 40)"
-    )
-    for words in ("between modalities and between domains", "retrieval", "profile", "for probes"):
-        assert (words in whole) == (words != "for probes")  # two domains give no interval
-    bare = methods(read_features(made(tac=None, domain=None, material=None)), 0)
-    for words in ("gap", "retrieval", "Neighbours across", "probe", "profile"):
-        assert words not in bare
 
 
 def test_what_cannot_be_reported_is_one_sentence_and_no_folder(made, tmp_path, capsys):
