@@ -28,23 +28,6 @@ def model(mapped):
     return build_head(head_settings(mapped, width=16))
 
 
-def test_a_large_array_is_read_only_and_its_blocks_are_copies(mapped):
-    assert not mapped.vis.flags.writeable
-    blocks = list(arrays.walked(mapped.vis, size=5))
-    assert np.array_equal(np.concatenate(blocks), mapped.vis)
-    blocks[0][:] = 0  # a copy
-    some = np.array([3, 0, 7])
-    assert np.array_equal(next(arrays.walked(mapped.vis, some)), mapped.vis[some])
-
-
-def test_some_rows_are_predicted_as_they_are_among_all(mapped, model):
-    rows = np.array([1, 4, 9, 11])
-    whole, some = (
-        predicted_probabilities(model, mapped, rows=r)["fused"].numpy() for r in (None, rows)
-    )
-    assert np.allclose(whole[rows], some, atol=1e-6)
-
-
 def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(
     mapped, model, monkeypatch
 ):

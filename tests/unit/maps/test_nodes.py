@@ -4,23 +4,6 @@ import pytest
 import torch
 
 from omnivat.head.dtg import DTG, groups, parents
-from omnivat.maps.nodes import tree_facts
-
-
-class Stub:
-    """A classifier over two directions, instead of a head."""
-
-    class settings:
-        generation = "none"
-
-    def classify(self, nodes):
-        return 10 * nodes[..., :2]
-
-
-def test_cosines_of_nodes_do_not_depend_on_their_lengths():
-    apart, alike = torch.eye(2)[None], torch.ones(1, 2, 2)
-    for nodes, cosines in ((apart, torch.eye(2)), (alike, torch.ones(2, 2))):
-        torch.testing.assert_close(tree_facts(Stub(), 3 * nodes).levels[0][1], cosines)
 
 
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])

@@ -3,13 +3,12 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from PIL import Image
 
 from omnivat.cli.thumbnails import start_of
 from omnivat.kit.errors import DataError
-from omnivat.maps.thumbnails import sheet_of, write_thumbnails
+from omnivat.maps.thumbnails import write_thumbnails
 
 
 @pytest.fixture
@@ -57,17 +56,6 @@ def test_a_set_too_large_for_one_sheet_says_which_tile_would_fit(make_embeddings
     many = replace(chosen, rows={k: v * 20_000 for k, v in chosen.rows.items()})
     with pytest.raises(DataError, match="choose --tile 36 or less"):
         write_thumbnails(many, tmp_path, tmp_path / "s.webp")
-
-
-def test_the_page_looks_for_the_sheet_beside_the_embeddings(tmp_path):
-    assert sheet_of(tmp_path / "mine.safetensors") == tmp_path / "mine.thumbnails.webp"
-
-
-def test_a_set_without_pairs_has_no_sheet(make_embeddings, tmp_path):
-    none = make_embeddings().select(np.array([], dtype=np.int64))
-    with pytest.raises(DataError, match="no pairs in these embeddings"):
-        write_thumbnails(none, tmp_path, tmp_path / "sheet.webp")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_names_start_where_the_images_of_a_table_are(pictures, tmp_path):

@@ -55,21 +55,6 @@ def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monk
     assert bool(same.all()) if not edge else 0.2 < float(same.double().mean()) < 1
 
 
-def test_a_cell_looks_at_the_nearest_pivots_own_rows_first(monkeypatch):
-    """Seven groups far apart, pivots in each: with one cell, a row is placed within its own
-    group.
-    """
-    group = torch.arange(300) % 7
-    points = 100 * noise(7, 4)[group] + noise(300, 4, seed=2)
-    chosen = torch.arange(200)
-    flat = torch.stack([group[:200].float(), torch.zeros(200)], 1)
-    for name, value in (("CELLS_FROM", 100), ("CELLS", 20), ("RING", 1)):
-        monkeypatch.setattr(torch_umap, name, value)
-    torch.testing.assert_close(
-        torch_umap._spread(points, chosen, flat)[:, 0], group.float(), atol=1e-3, rtol=0
-    )
-
-
 def test_the_error_of_a_draw_is_1_96_standard_errors():
     points, flat = noise(400, 6), noise(400, 2, seed=1)
     parts = [quality.quality(points, flat, k=5, rows=100, seed=seed) for seed in range(30)]
