@@ -37,14 +37,6 @@ def test_a_head_comes_back_as_it_was_saved(folder, tmp_path):
     assert head_hash(tmp_path / "again") == head_hash(tmp_path / "third") != head_hash(folder)
 
 
-def test_a_head_says_where_it_comes_from(folder):
-    head = load_head(folder)
-    assert head.source == "TAG-sim"
-    assert head.provenance["simulated"] is True
-    assert head.provenance["lang"]["hash"]
-    assert {record["domain"] for record in head.metrics["domains"]} == {"TAG-sim", "OF Real-sim"}
-
-
 def test_a_loaded_head_is_frozen_and_its_order_stays_in_double_precision(folder):
     head = load_head(folder)
     assert not head.model.training
@@ -117,9 +109,7 @@ def edit(folder, place, **changes):
             "does not fit this head",
         ),
         (lambda f: (f / "weights.safetensors").unlink(), r"weights\.safetensors' is missing"),
-        (lambda f: (f / "settings.json").unlink(), r"settings\.json' is missing"),
         (lambda f: (f / "settings.json").write_text("{"), r"is not readable JSON"),
-        (lambda f: (f / "settings.json").write_text("[1]"), "should hold a JSON object"),
         (lambda f: (f / "settings.json").write_text("{}"), "is not the settings of a head"),
         (lambda f: edit(f, "head", width=32), r"does not fit its settings: .* shape"),
         (lambda f: edit(f, "head", levls=3), r"has no setting 'levls'\. Did you mean 'levels'"),
@@ -127,11 +117,11 @@ def edit(folder, place, **changes):
         (shutil.rmtree, r"No head at .* Train one with"),
         *(
             (partial(edit, place="provenance", train=train), "does not describe a head")
-            for train in (None, [], "x", {"modalities": None})
+            for train in ([], {"modalities": None})
         ),
         *(
             (partial(edit, place="calibration/temperature", vis=t), r"settings\.json' holds")
-            for t in (0, -1, "warm", None, 1e6)
+            for t in (-1, "warm")
         ),
     ],
 )
@@ -160,7 +150,6 @@ def test_embeddings_made_in_another_way_are_refused_in_words_of_their_own(folder
 @pytest.mark.parametrize(
     ("key", "width"),
     [
-        (("other", "0" * 16, "none"), 24),
         (("test-encoder", "f" * 16, "none"), 24),
         (("test-encoder", "0" * 16, "crop"), 24),
         (("test-encoder", "0" * 16, "none"), 512),

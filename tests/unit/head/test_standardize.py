@@ -19,13 +19,6 @@ def head(head_folder):
     return load_head(head_folder)
 
 
-def test_the_source_lies_at_zero_after_standardising(head, make_embeddings):
-    source = make_embeddings().in_domain("TAG-sim")
-    rows = (torch.from_numpy(source.vis) - head.model.input_mean[0]) / head.model.input_scale[0]
-    assert rows.mean(0).abs().max() < 1e-5
-    assert rows.std(0).max() < 1
-
-
 def test_a_sensor_that_shifts_channels_gets_the_same_probabilities_with_its_profile(
     head, make_embeddings
 ):
@@ -68,12 +61,11 @@ def test_a_head_without_a_profile_takes_embeddings_as_they_come(head):
         replace(head, profile=None).moved("vis", rows, head.source_profile)
 
 
-@pytest.mark.parametrize("shift", [0.0, 1.0])
-def test_a_head_trained_with_imitated_sensors_takes_a_shorter_step(make_embeddings, shift):
-    pairs, settings = make_embeddings(), TrainSettings(epochs=1, lang=False, shift=shift)
+def test_a_head_trained_with_imitated_sensors_takes_a_shorter_step(make_embeddings):
+    pairs, settings = make_embeddings(), TrainSettings(epochs=1, lang=False, shift=1.0)
     plan = plan_training(pairs, "TAG-sim", head={"width": 8}, training=settings)
     made = trained_head(plan, calibrate=False)
-    assert made.source_profile.step == (STEP_SHIFTED if shift else 1.0)
+    assert made.source_profile.step == STEP_SHIFTED
 
 
 def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):

@@ -25,7 +25,7 @@ def reader(_, *, file, way):
         yield {"number": number}, bytes(number)
         yield None, b""
     if way == "memory":
-        yield {}, bytes(500_000_000)
+        yield {}, bytes(len(bytes(500_000_000)) % 7)  # taken, not sent
     while way == "time":
         pass
     if way == "death":

@@ -15,7 +15,7 @@ def problem(count, width, classes=3, seed=0):
     return torch.from_numpy(rows), torch.from_numpy(labels)
 
 
-@pytest.mark.parametrize("strength", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("strength", [0.01, 100.0])
 @pytest.mark.parametrize(("count", "width"), [(60, 5), (12, 30)])
 def test_it_finds_the_optimum_that_another_solver_finds(count, width, strength):
     rows, labels = problem(count, width)

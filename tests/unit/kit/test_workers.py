@@ -11,7 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = """
-import os
+import os, sys
+from types import ModuleType
+sys.modules["torch"] = ModuleType("torch")  # which takes two seconds to load, and is not needed
 from omnivat.kit.threads import in_processes
 
 def number(_):
