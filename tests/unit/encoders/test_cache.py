@@ -56,26 +56,10 @@ def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels():
     np.testing.assert_allclose(mirrored, np.roll(plain, 3))
 
 
-def test_both_views_decode_the_image_once(monkeypatch):
-    from omnivat.data import rest as module
-
-    decoded = []
-    original = module.read_image
-    monkeypatch.setattr(
-        module, "read_image", lambda *a, **k: decoded.append(1) or original(*a, **k)
-    )
-    encoder = Counting()
-    plain, mirrored = embed_views(encoder, png(), EmbeddingCache())
-    assert (len(decoded), encoder.calls) == (1, 2)
-    assert not np.array_equal(plain, mirrored)
-    embed_views(encoder, png())
-    assert len(decoded) == 2
-
-
 @pytest.mark.parametrize(
     "damaged",
-    [lambda _: b"", lambda _: b"\0" * 40, lambda good: good[:-1] + bytes([good[-1] ^ 1])],
-    ids=["empty", "zeros", "one bit"],
+    [lambda _: b"", lambda good: good[:-1] + bytes([good[-1] ^ 1])],
+    ids=["empty", "one bit"],
 )
 def test_a_damaged_entry_is_computed_again_and_mended(tmp_path, damaged):
     encoder = Counting()

@@ -1,8 +1,5 @@
 """TorchScript archives and ResNets of CLIP."""
 
-import pickle
-from pathlib import Path
-
 import pytest
 import torch
 from torch import nn
@@ -24,21 +21,6 @@ def test_an_archive_is_read_as_torch_reads_it(clips, tmp_path):
     found = read_weights(tmp_path / "a.pt", "clip")
     assert set(found) == {key for key, value in state.items() if value.is_floating_point()}
     assert all(torch.equal(value, state[key].float()) for key, value in found.items())
-
-
-def test_an_archive_that_would_run_something_runs_nothing(clips, tmp_path):
-    from zipfile import ZipFile
-
-    class Evil:
-        def __reduce__(self):
-            return Path.touch, (tmp_path / "ran",)
-
-    with ZipFile(tmp_path / "a.pt", "w") as archive:
-        archive.writestr("a/constants.pkl", b"")
-        archive.writestr("a/data.pkl", pickle.dumps(Evil()))
-    with pytest.raises(DataError, match="no weights of CLIP"):
-        load_encoder("clip", weights=tmp_path / "a.pt")
-    assert not (tmp_path / "ran").exists()
 
 
 # ResNets
@@ -95,14 +77,6 @@ def reference_rn50(state, x):
     return nn.functional.linear(
         seen, state["attnpool.c_proj.weight"], state["attnpool.c_proj.bias"]
     )
-
-
-def test_resnet_weights_without_a_part_are_refused_by_its_name(clips, tmp_path):
-    state = clips.published_resnet(clips.rn50_state())
-    del state["visual.attnpool.q_proj.bias"]
-    torch.save(state, tmp_path / "a.pt")
-    with pytest.raises(DataError, match=r"attnpool\.q_proj\.bias"):
-        load_encoder("clip", weights=tmp_path / "a.pt")
 
 
 def test_an_encoder_without_a_text_tower_says_which_have_one(clips, tmp_path):

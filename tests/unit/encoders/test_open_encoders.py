@@ -10,7 +10,6 @@ from torch import nn
 from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
 from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair
-from omnivat.encoders.hub import recall
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
@@ -35,11 +34,6 @@ def tiny():
 def nameless():
     found = load()
     found.weights_hash = ""
-    return found
-
-def wrong_width():
-    found = load()
-    found.width = 7
     return found
 
 def nan():
@@ -83,18 +77,6 @@ def test_a_picture_is_embedded_again_once_the_code_of_its_encoder_has_changed(tm
     assert keys[0] == keys[2] != keys[1]
 
 
-def test_weights_are_passed_on_and_found_again_by_their_hash(module, tmp_path):
-    torch.manual_seed(1)
-    other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
-    torch.save(other.state_dict(), tmp_path / "other.pt")
-    plain = load_encoder(f"{module}:load")
-    trained = load_encoder(f"{module}:load", weights=tmp_path / "other.pt")
-    assert trained.weights_hash != plain.weights_hash
-    assert recall(trained.weights_hash) == tmp_path / "other.pt"
-    again = load_encoder(f"{module}:load", weights_hash=trained.weights_hash)
-    assert again.weights_hash == trained.weights_hash
-
-
 def test_an_entry_point_is_an_encoder(module, monkeypatch):
     from importlib.metadata import EntryPoint
 
@@ -110,7 +92,6 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
     [
         ("own_encoder:tiny", "returned object, which has no preprocess, embed"),
         ("own_encoder:nameless", "has no text in weights_hash; it identifies the weights"),
-        ("own_encoder:wrong_width", "gave 5 values for one image, and its width is 7"),
         ("own_encoder:nan", "one finite vector"),
         ("own_encoder:vanishing", "A vector of 'own_encoder:vanishing' has no value above"),
         ("own_encoder:absent", "no function 'absent'"),
@@ -123,12 +104,6 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
 def test_code_that_gives_no_encoder_is_refused_in_one_sentence(name, match):
     with pytest.raises(DataError, match=match):
         load_encoder(name)
-
-
-@pytest.mark.usefixtures("module")
-def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path):
-    with pytest.raises(SettingsError, match="takes no weights"):
-        load_encoder("own_encoder:tiny", weights=tmp_path)
 
 
 def test_a_network_that_draws_at_random_is_refused():

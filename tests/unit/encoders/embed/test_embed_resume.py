@@ -5,7 +5,6 @@ import pytest
 
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import embed_image
-from omnivat.kit.errors import DataError
 
 from .small_pairs import MeanColour, embed, make_pairs, png
 
@@ -30,7 +29,7 @@ def stop_after(count):
 
 
 @pytest.mark.usefixtures("small_chunks")
-@pytest.mark.parametrize("stopped_at", [1, 4, 7, 10])
+@pytest.mark.parametrize("stopped_at", [4, 7])
 def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(tmp_path, stopped_at):
     pairs = make_pairs(tmp_path, bad=(2,))
     whole = embed(pairs, tmp_path / "whole.safetensors")
@@ -46,20 +45,6 @@ def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(tmp_path, stopped
     assert report.skipped == whole.skipped
     assert out.read_bytes() == whole.out.read_bytes()
     assert not out.with_name("set.safetensors.parts").exists()
-
-
-@pytest.mark.usefixtures("small_chunks")
-def test_a_part_that_is_removed_meanwhile_is_not_left_out_in_silence(tmp_path):
-    pairs, out = make_pairs(tmp_path), tmp_path / "set.safetensors"
-
-    def removed(step):
-        if step.done == step.total:
-            (tmp_path / "set.safetensors.parts" / "part-0000000.safetensors").unlink()
-
-    with pytest.raises(DataError, match="Of 3 parts 2 can be read"):
-        embed(pairs, out, on_step=removed)
-    assert not out.exists()
-    assert embed(pairs, out).embedded == len(pairs.pairs)
 
 
 @pytest.mark.usefixtures("small_chunks")

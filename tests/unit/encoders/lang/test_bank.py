@@ -10,8 +10,6 @@ from omnivat.data.embeddings import Header
 from omnivat.encoders import load_encoder
 from omnivat.encoders.lang.bank import PLAIN, LangBank, load_bank, save_bank
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings, train
-from tests.builders import head_settings
 
 BANK = LangBank(
     embeddings=np.arange(24, dtype=np.float32).reshape(2, 3, 4),
@@ -55,16 +53,6 @@ def test_texts_are_of_the_images_where_one_checkpoint_made_both():
 def test_a_bank_of_another_checkpoint_of_the_same_name_and_width_is_refused():
     with pytest.raises(DataError, match=r"text tower aaaa.*text tower bbbb.*omnivat prompts"):
         BANK.is_of(replace(HEADER, text_hash="bbbb"))
-
-
-def test_training_refuses_it_too(make_embeddings):
-    pairs = make_embeddings(domains=("TAG-sim",))
-    pairs = replace(pairs, header=replace(pairs.header, encoder="clip-vit-b16", text_hash="bbbb"))
-    texts = np.ones((5, 3, 4), np.float32)
-    bank = replace(BANK, embeddings=texts, classes=pairs.header.classes, plain=None)
-    head = head_settings(pairs, lang_width=4, width=8)
-    with pytest.raises(DataError, match="another checkpoint"):
-        train(pairs, head, TrainSettings(epochs=1), bank=bank)
 
 
 def test_the_command_records_the_tower_of_the_checkpoint(clips, tmp_path, monkeypatch):
