@@ -68,12 +68,6 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
     assert recorded("nowhere", names) == []
 
 
-def test_records_of_other_domains_say_nothing_about_a_set(head, shifted, monkeypatch):
-    monkeypatch.setattr(ladder, "LADDERS", EXAMPLES / "records" / "ladder.jsonl.gz")
-    ladder._records.cache_clear()
-    assert {one["from"] for one in rungs(head, shifted)} == {"this head"}
-
-
 def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
     train = shifted.rows_of("OF Real-sim", split="train")
     near = head.profiled(shifted, [profile_of(shifted, train, domain="OF Real-sim")])

@@ -13,7 +13,7 @@ from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.head import build_head
 from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
-from omnivat.measure import readers, unseen
+from omnivat.measure import unseen
 from omnivat.measure.known import measured
 from omnivat.measure.shares import counted, mean_over_domains, of_domains, wilson
 from omnivat.measure.unseen import judged, nearest_touch, unseen_summary
@@ -65,18 +65,6 @@ def test_shares_are_those_that_are_measured(case):
             }
 
 
-def test_a_head_of_touches_alone_has_a_record_of_each_image(case):
-    head, embeddings, _ = case
-    blind = replace(head, provenance=head.provenance | {"train": {"modalities": "tac"}})
-    assert unseen_summary(blind, embeddings)["unseen"]["answers/vis"]["share"] is not None
-
-
-def test_every_pair_is_predicted_once(case, monkeypatch):
-    head, embeddings, summary = case
-    monkeypatch.setattr(readers, "predicted_probabilities", pytest.fail)
-    assert unseen_summary(head, embeddings)["unseen"] == summary["unseen"]
-
-
 def test_however_many_pairs_are_read_at_once_the_record_is_the_same(case, monkeypatch):
     head, embeddings, summary = case
     monkeypatch.setattr(unseen, "blocks", partial(unseen.blocks, size=7))
@@ -116,13 +104,6 @@ def test_a_class_that_the_head_lacks_is_left_out(case):
     summary = unseen_summary(head, other)
     assert all(own["pairs"] == 16 for own in summary["domains"])
     assert sum(summary["pairs"]["counts"]) == 48
-
-
-def test_a_domain_without_pairs_that_count_has_no_share(make_embeddings):
-    embeddings = make_embeddings()
-    summary = unseen_summary(untrained(embeddings), embeddings)
-    source = next(own for own in summary["domains"] if own["is_source"])
-    assert (source["pairs"], source["answers/fused"]) == (0, None)
 
 
 @pytest.mark.parametrize(("right", "total"), [(0, 10), (10, 10), (3, 10), (700, 1000)])

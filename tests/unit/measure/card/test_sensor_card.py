@@ -23,10 +23,10 @@ GEL = SENSORS["DIGIT"]
 
 @pytest.fixture(scope="module")
 def pressed():
-    """Presses of ten objects, and of ten others, to be imaged by gels of one shape."""
+    """Presses of eight objects, and of eight others, to be imaged by gels of one shape."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sensor, "SIZE", 160)  # drawn small
-        return [sensor.Pressed(GEL, folder, 10) for folder in (0, 1)]
+        return [sensor.Pressed(GEL, folder, 8) for folder in (0, 1)]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,6 @@ def test_other_objects_alone_are_no_change(before, after):
         ("channels", lambda a: a[..., ::-1]),
         ("mirrored", lambda a: a[:, ::-1]),
         ("turned", lambda a: np.rot90(a)),
-        ("turned", lambda a: np.rot90(a, 2)),
     ],
 )
 def test_swapped_channels_mirrored_and_turned_pictures_are_named_alone(before, after, part, turn):
@@ -127,7 +126,7 @@ def test_large_pictures_are_read_reduced_and_other_arrays_are_refused(after):
 
 def test_a_change_of_size_is_stated_beside_grain_and_sharpness(before, after):
     found = changes_between(
-        before, card_of([np.kron(a, np.ones((2, 2, 1), np.uint8)) for a in after])
+        before, card_of([np.kron(a, np.ones((2, 2, 1), np.uint8)) for a in after[:5]])
     )
     told = {
         change.part: "have 320 × 320 pixels and had 160 × 160" in change.evidence

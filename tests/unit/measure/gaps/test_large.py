@@ -59,13 +59,13 @@ def test_the_stated_error_covers_the_draw_of_rows_too(measure, monkeypatch):
     monkeypatch.setattr(mmd, "SAMPLE", 40)
     random = np.random.default_rng(1)
     a, b = (torch.tensor(random.standard_normal((20_000, 8)) + move) for move in (0, 0.25))
-    exact = float(load(GAPS, measure, kind="gap")(a[:4000], b[:4000]))
+    exact = float(load(GAPS, measure, kind="gap")(a[:2000], b[:2000]))
     inside = 0
-    for seed in range(24):
+    for seed in range(12):
         some = np.random.default_rng(seed).choice(20_000, 800, replace=False)
         found = ESTIMATES[measure](a[some], b[some])
         inside += abs(float(found.value) - exact) <= 2.2 * float(found.error)
-    assert inside >= 20
+    assert inside >= 10
 
 
 def test_the_command_states_what_it_drew_and_agrees_with_all_pairs(
