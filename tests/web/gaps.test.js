@@ -37,6 +37,7 @@ test("p closes a gap that falls more from the worst p to the best than from the 
     ],
     [gapsOf(0.5, 0.5, [0.4, 0.1, 0.45]), "Yes, for this head.", /0.10 at p = 0.50 and 0.45 at p = 1.00/],
     [gapsOf(0.1, 0.1, [0.2, 0.3, 0.4]), "No, and neither do the steps.", /0.20 at p = 0.00/],
+    [gapsOf(0.5, 0.2, [0.1, 0.1, 0.1]), "No: the steps of the head close them.", /stays at 0.10/],
   ]) {
     const { answer, words } = verdictOn(frames);
     assert.equal(answer, wanted);
