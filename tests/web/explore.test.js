@@ -4,7 +4,7 @@ import "./browser.js";
 import { balance } from "../../app/web/explore/bars.js";
 import { headOf, LESSONS, startOf } from "../../app/web/explore/chapters.js";
 import { line } from "../../app/web/explore/curves.js";
-import { histogram, ranged } from "../../app/web/explore/finder.js";
+import { histogram, ranged, shifted } from "../../app/web/explore/finder.js";
 import { neighboursHtml } from "../../app/web/explore/grid.js";
 import { addressOf } from "../../app/web/explore/panels.js";
 import * as scenes from "../../app/web/explore/scene.js";
@@ -251,6 +251,15 @@ test("a range is kept with four digits beside the others, and one that keeps all
   assert.equal(ranged("cosine:0.2:0.4", "confidence", [0, 1], [0.12345, 1]), "cosine:0.2:0.4~confidence:0.1235:1");
   assert.equal(ranged("cosine:0.2:0.4", "cosine", [0, 1], [0, 1]), "");
   assert.equal(ranged("cosine:0.2:0.4", "cosine", [0, 1], null), "");
+});
+
+test("both ends of a range move by keys, and neither passes the other or leaves the histogram", () => {
+  for (const [range, by, upper, wanted] of [
+    [undefined, 1, false, [0.05, 1]],
+    [[0.5, 0.52], 3, false, [0.52, 0.52]],
+    [[0.5, 1], 1, true, [0.5, 1]],
+  ])
+    assert.deepEqual(shifted(range, [0, 1], by, upper), wanted);
 });
 
 const twins = { domains: [{ name: "A-sim" }, { name: "B-sim" }], pictures: [5, 20], shown: [{ class: 0 }] };

@@ -22,7 +22,7 @@ export function histogram(all, [low, high], wanted = () => true) {
 
 /** Move the lower or the upper end of a range by a number of bins.
  * @param {Span | undefined} range @param {Span} span @param {number} by @param {boolean} upper @returns {Span} */
-function shifted(range, [low, high], by, upper) {
+export function shifted(range, [low, high], by, upper) {
   const [from, to] = range ?? [low, high];
   const step = (by * (high - low)) / BINS;
   const inside = (/** @type {number} */ v) => Math.max(low, Math.min(high, v));
