@@ -4,6 +4,7 @@ import inspect
 import re
 import warnings
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -131,10 +132,10 @@ NAMING = ("centroid_gap", "frechet", "mmd_rbf", "proxy_a", "predict_embeddings",
 
 
 def test_a_bad_number_is_named_by_row_and_column(doors):
-    spoilt = ROWS.clone()
-    spoilt[3, 7] = np.nan
-    for name in NAMING:
-        with pytest.raises(DataError, match="nan in row 3, column 7"):
+    for name, value in product(NAMING, (np.nan, -np.inf)):
+        spoilt = ROWS.clone()
+        spoilt[3, 7] = value
+        with pytest.raises(DataError, match="in row 3, column 7"):
             doors[name][0](spoilt)
 
 

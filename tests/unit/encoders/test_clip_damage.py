@@ -47,6 +47,7 @@ def test_a_file_of_a_known_name_is_taken_before_another_alone(tmp_path):
     ("damage", "match"),
     [
         (lambda folder: (folder / "config.json").write_text("{"), "not readable JSON"),
+        (lambda folder: (folder / WEIGHTS).unlink(), "has no weights"),
         (lambda folder: (folder / WEIGHTS).write_bytes(b"x" * 99), "cannot be read"),
         (
             lambda folder: save_file({"fc.weight": torch.zeros(1)}, folder / WEIGHTS),
@@ -122,3 +123,8 @@ def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path):
     (tmp_path / MERGES).write_bytes(gzip.compress(b"#version\na b\nb c</w>"))
     found = load_tokenizer(tmp_path, longest=9, vocabulary=49408)
     assert found("ab a bc")["input_ids"] == [514, 64, 65 + 256, 64 + 256, 513, 515]
+
+
+def test_a_given_place_that_is_missing_is_named(tmp_path):
+    with pytest.raises(DataError, match="nowhere"):
+        load_encoder("clip-vit-b16", weights=tmp_path / "nowhere")

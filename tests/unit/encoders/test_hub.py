@@ -95,6 +95,7 @@ def test_a_model_without_weights_is_no_complete_one(served):
 @pytest.mark.parametrize(
     ("status", "sentence"),
     [
+        (401, "The hub refuses a/b without a login"),
         (404, "The hub has no complete model 'a/b'"),
         (503, "replied with status 503; try again later"),
     ],

@@ -36,6 +36,11 @@ def nameless():
     found.weights_hash = ""
     return found
 
+def wrong_width():
+    found = load()
+    found.width = 7
+    return found
+
 def nan():
     found = load()
     found.network[2].bias.data.fill_(float("nan"))
@@ -92,6 +97,7 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
     [
         ("own_encoder:tiny", "returned object, which has no preprocess, embed"),
         ("own_encoder:nameless", "has no text in weights_hash; it identifies the weights"),
+        ("own_encoder:wrong_width", "gave 5 values for one image, and its width is 7"),
         ("own_encoder:nan", "one finite vector"),
         ("own_encoder:vanishing", "A vector of 'own_encoder:vanishing' has no value above"),
         ("own_encoder:absent", "no function 'absent'"),
@@ -218,3 +224,9 @@ def test_a_layer_is_the_mean_of_its_output_over_its_places(tmp_path, picture):
 def test_a_layer_that_is_not_there_is_refused(name, message):
     with pytest.raises(SettingsError, match=message):
         load_encoder(name)
+
+
+@pytest.mark.usefixtures("module")
+def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path):
+    with pytest.raises(SettingsError, match="takes no weights"):
+        load_encoder("own_encoder:tiny", weights=tmp_path)

@@ -126,3 +126,10 @@ def test_a_model_of_texts_is_refused(tmp_path):
     transformers.AutoModel.from_config(config).save_pretrained(tmp_path)
     with pytest.raises(DataError, match="BertModel does not take images alone"):
         load_encoder(f"hf:{tmp_path}")
+
+
+def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path):
+    (tmp_path / "config.json").write_text("{}")
+    with pytest.raises(DataError, match="cannot be loaded as a model of transformers") as caught:
+        load_encoder(f"hf:{tmp_path}")
+    assert "\n" not in str(caught.value)

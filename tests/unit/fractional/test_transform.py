@@ -159,3 +159,8 @@ def test_an_accelerator_gives_what_the_cpu_gives():
     order = torch.tensor(0.3, dtype=torch.float64)
     found = dfrft(x.cuda(), order.cuda()).cpu()
     assert torch.allclose(found, dfrft(x, order), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("size", "exact"), [(1, True), (2002, True), (13, True), (34, False)])
+def test_lengths_of_primes_up_to_thirteen_take_the_fft(size, exact):
+    assert transform.fft_is_exact(size) is exact  # 2002 = 2 · 7 · 11 · 13

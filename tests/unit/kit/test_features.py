@@ -1,8 +1,10 @@
 """Arrays at the library's door: any numbers are taken, and a bad one is named by row and column."""
 
+import pytest
 import torch
 
 from omnivat import centroid_gap
+from omnivat.kit.errors import OmniVatError
 from omnivat.kit.shapes import SUMMED, features
 from omnivat.maps.projection.neighbours import nearest
 
@@ -23,3 +25,5 @@ def test_rows_keep_their_values_gradient_and_precision():
     centroid_gap(learned, ROWS.flip(0) + 1).backward()
     assert learned.grad is not None
     assert features(most=SUMMED, rows=ROWS * 1e14)[0].max() > 1e13
+    with pytest.raises(OmniVatError, match="expected at most 1e.15"):
+        features(most=SUMMED, rows=ROWS * 1e17)

@@ -10,6 +10,8 @@ from omnivat.data.embeddings import Header
 from omnivat.encoders import load_encoder
 from omnivat.encoders.lang.bank import PLAIN, LangBank, load_bank, save_bank
 from omnivat.kit.errors import DataError
+from omnivat.training import TrainSettings, train
+from tests.builders import head_settings
 
 BANK = LangBank(
     embeddings=np.arange(24, dtype=np.float32).reshape(2, 3, 4),
@@ -75,3 +77,13 @@ def test_a_bank_without_a_class_says_how_to_make_one():
         DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
     ):
         load_bank().for_classes(("wood", "rubber"))
+
+
+def test_training_refuses_it_too(make_embeddings):
+    pairs = make_embeddings(domains=("TAG-sim",))
+    pairs = replace(pairs, header=replace(pairs.header, encoder="clip-vit-b16", text_hash="bbbb"))
+    texts = np.ones((5, 3, 4), np.float32)
+    bank = replace(BANK, embeddings=texts, classes=pairs.header.classes, plain=None)
+    head = head_settings(pairs, lang_width=4, width=8)
+    with pytest.raises(DataError, match="another checkpoint"):
+        train(pairs, head, TrainSettings(epochs=1), bank=bank)

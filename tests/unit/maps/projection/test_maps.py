@@ -8,7 +8,7 @@ import pytest
 import torch
 from scipy.optimize import curve_fit
 
-from omnivat.kit.errors import ShapeError
+from omnivat.kit.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.kit.tables import load
 from omnivat.maps.projection import PROJECTIONS, pca, torch_umap, umap
 from omnivat.maps.projection.neighbours import affine, nearest, place, placed
@@ -253,3 +253,14 @@ def test_the_curve_of_attraction_is_umap_s_fit_to_a_flat_start_of_a_tenth_and_an
     wanted = np.where(distance < 0.1, 1.0, np.exp(0.1 - distance))
     found, _ = curve_fit(lambda x, a, b: 1 / (1 + a * x ** (2 * b)), distance, wanted)
     assert found == pytest.approx((torch_umap.A, torch_umap.B), abs=1e-4)
+
+
+def test_too_many_neighbours_are_refused():
+    with pytest.raises(SettingsError, match="5 neighbours were requested among 4; choose 1 to 4"):
+        nearest(noise(5, 3), 5)
+
+
+def test_a_missing_umap_learn_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "umap", None)
+    with pytest.raises(MissingPackageError, match="pip install umap-learn"):
+        umap.project(noise(8, 4))
