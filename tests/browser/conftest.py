@@ -1,5 +1,6 @@
 """One real Chromium and one real server for all journeys."""
 
+import json
 import os
 import shutil
 import socket
@@ -8,7 +9,7 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from urllib.request import urlopen
+from urllib.request import Request, urlopen
 
 import pytest
 
@@ -27,6 +28,7 @@ FLAGS = [
     "--no-first-run",
     "--use-fake-device-for-media-stream",
     "--use-fake-ui-for-media-stream",
+    "--host-resolver-rules=MAP demo.example 127.0.0.2",
 ]
 PANELS = """localStorage['omnivat-panels'] ??= JSON.stringify(Object.fromEntries(
   ['card', 'grid', 'domains', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy']
@@ -108,15 +110,16 @@ def desktop(chromium):
 
 
 class Server:
-    """`python app.py` on the project's own data; it can be stopped and started again."""
+    """`python app.py` on the project's own data, run in `folder`; it can be stopped and
+    started again.
+    """
 
-    def __init__(self, folder, host="127.0.0.1", more=(), where=ROOT):
+    def __init__(self, folder, host="127.0.0.1", more=()):
         with socket.socket() as probe:
             probe.bind((host, 0))
             self.port = probe.getsockname()[1]
         self.address = f"http://{host}:{self.port}/"
         self.folder, self.more, self.script = folder, more, ROOT / "app.py"
-        self.where = where
         self.process = None
 
     def start(self):
@@ -131,7 +134,7 @@ class Server:
                     str(self.port),
                     *self.more,
                 ],
-                cwd=self.where,
+                cwd=self.folder,
                 env=os.environ | {"XDG_CACHE_HOME": str(self.folder), "PYTHONPATH": str(ROOT)},
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -173,6 +176,24 @@ def server(tmp_path_factory):
 def address(server):
     """Return the page's address."""
     return server.address
+
+
+@pytest.fixture
+def loaded(address):
+    """Return a function that loads files of a head or set, as visitors do; it returns the name of
+    what they make together, `?set=`.
+    """
+
+    def sent(path, content):
+        with urlopen(Request(f"{address}omnivat/{path}", data=content)) as reply:
+            return json.load(reply)
+
+    def load(*files):
+        parts = {one.name: sent(f"part?name={one.name}", one.read_bytes()) for one in files}
+        parts = {name: reply["part"] for name, reply in parts.items()}
+        return sent("load", json.dumps({"parts": parts}).encode())["set"]
+
+    return load
 
 
 def note(problems, said):

@@ -6,7 +6,6 @@ import pytest
 
 from omnivat.data.store import save_embeddings
 
-from .conftest import Server, watched
 from .gestures import MAP, faults, open_tab, train
 
 pytestmark = pytest.mark.browser
@@ -15,30 +14,16 @@ HEADLESS = "() => document.querySelector('.explore')?.dataset.kind === 'features
 
 
 @pytest.fixture
-def opened(chromium, tmp_path, make_embeddings):
-    """Return a function that serves a set of another encoder and opens its page; afterwards
-    neither page nor server has failed.
-    """
-    servers = []
-    problems = []
+def opened(open_page, loaded, tmp_path, make_embeddings):
+    """Return a function that loads a set of another encoder and one domain, and opens it."""
 
-    def serve(query="", **options):
-        made = make_embeddings(width=12, per_class=12, **options)
+    def load(**options):
+        made = make_embeddings(width=12, per_class=12, domains=("my-sensor",), **options)
         made = replace(made, header=replace(made.header, encoder="other-encoder"))
-        file = tmp_path / "mine.safetensors"
-        save_embeddings(file, made)
-        server = Server(tmp_path, more=("--embeddings", str(file)))
-        servers.append(server)
-        server.start()
-        page = watched(chromium.new_page(), server.address, problems)
-        page.goto(server.address + query)
-        return page
+        save_embeddings(tmp_path / "embeddings.safetensors", made)
+        return open_page(f"?set={loaded(tmp_path / 'embeddings.safetensors')}", MAP)
 
-    yield serve
-    assert problems == []
-    for server in servers:
-        server.stop()
-        assert "Traceback" not in server.log(), server.log()
+    return load
 
 
 def empty_panels(page):
@@ -51,21 +36,29 @@ def empty_panels(page):
     )
 
 
-def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(opened):
+def test_a_set_without_classes_and_with_one_domain_says_what_is_missing_and_trains_nothing(opened):
+    page = opened(classes=("unlabelled",))
+    page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
+    assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap"]
+    assert page.locator(".explore .colouring option").all_inner_texts() == ["Modality"]
+    open_tab(page, "train")
+    page.wait_for_selector("#view-train .problem:has-text('No domain has pairs of two classes')")
+    assert "omnivat report" in page.inner_text("#view-train .headless pre")
+    assert not page.is_visible("#view-train .choices")
+    assert not page.is_visible("#view-train .task")
+
+
+def test_a_set_without_a_head_has_maps_gaps_neighbours_and_a_head_is_trained_used_and_saved(opened):
     page = opened()
-    page.wait_for_selector(MAP)
     page.wait_for_function(HEADLESS)
-    page.wait_for_selector(".explore .score pre:has-text('omnivat try mine.safetensors')")
-    assert page.locator(".explore .gaps dt").all_inner_texts() == [
-        "Modality gap",
-        "Domain gap",
-        "Cosine margin",
-    ]
+    page.wait_for_selector(".explore .score pre:has-text('omnivat try embeddings.safetensors')")
+    gaps = page.locator(".explore .gaps dt").all_inner_texts()
+    assert gaps == ["Modality gap", "Cosine margin"]
     assert page.locator(".explore .kinds button").all_inner_texts() == ["PCA", "UMAP"]
     assert not page.is_visible(".explore .staircase")
     assert not page.is_visible(".explore .order")
     colours = page.locator(".explore .colouring option").all_inner_texts()
-    assert colours == ["Domain", "Class", "Modality"]
+    assert colours == ["Class", "Modality"]
     page.focus(".explore .map canvas + canvas")
     page.keyboard.press("n")
     page.keyboard.press("Enter")
@@ -82,25 +75,7 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(op
     assert not page.is_visible(".explore .second")
     open_tab(page, "pair")
     page.wait_for_selector(".ov.pair .headless pre")
-    page.close()
-
-
-def test_a_set_without_classes_and_with_one_domain_says_what_is_missing_and_trains_nothing(opened):
-    page = opened(domains=("my-sensor",), classes=("unlabelled",))
-    page.wait_for_selector(MAP)
-    page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
-    assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap"]
-    assert page.locator(".explore .colouring option").all_inner_texts() == ["Modality"]
     open_tab(page, "train")
-    page.wait_for_selector("#view-train .problem:has-text('No domain has pairs of two classes')")
-    assert "omnivat report" in page.inner_text("#view-train .headless pre")
-    assert not page.is_visible("#view-train .choices")
-    assert not page.is_visible("#view-train .task")
-    page.close()
-
-
-def test_a_head_is_trained_on_one_domain_used_and_saved_and_a_wrong_setting_is_refused(opened):
-    page = opened("?view=train", domains=("my-sensor",))
     page.wait_for_selector("#view-train .status:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text("#view-train .task")
     train(page, 7.5, lang=False)
@@ -126,4 +101,3 @@ def test_a_head_is_trained_on_one_domain_used_and_saved_and_a_wrong_setting_is_r
     )
     assert page.get_attribute(".explore .modes [data-key=moved]", "aria-checked") == "true"
     assert empty_panels(page) == []
-    page.close()

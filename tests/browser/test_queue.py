@@ -1,4 +1,4 @@
-"""Train here: three visitors, each with a browser profile of their own."""
+"""Train here: two visitors, each with a browser profile of their own."""
 
 import pytest
 
@@ -13,19 +13,20 @@ def shows(page, words):
     page.wait_for_selector(f"#view-train .status:has-text('{words}')")
 
 
-def test_three_visitors_see_their_places_and_cancelling_frees_one(open_page):
-    pages = [open_page("?view=train", **DESK) for _ in range(3)]
-    for number, page in enumerate(pages):
-        train(page, 100, lang=False)
-        shows(page, f"place {number} in the queue" if number else "Training: epoch")
-    pages[1].click("#view-train .stop")
-    shows(pages[1], "Cancelled")
-    shows(pages[2], "place 1")
-    pages[2].reload()  # a visitor who reloads keeps the place
-    shows(pages[2], "place 1")
-    assert pages[2].locator("#view-train .go").is_disabled()
-    pages[0].click("#view-train .stop")
-    shows(pages[2], "Training: epoch")
-    pages[2].click("#view-train .stop")
-    shows(pages[2], "Cancelled after")
-    assert pages[2].locator("#view-train .go").is_enabled()
+def test_a_second_visitor_waits_keeps_the_place_through_a_reload_and_is_next_when_one_cancels(
+    open_page,
+):
+    first, second = open_page("?view=train"), open_page("?view=train", **DESK)
+    train(first, 150, lang=False)
+    shows(first, "Training: epoch")
+    train(second, 150, lang=False)
+    shows(second, "place 1 in the queue")
+    second.reload()
+    shows(second, "place 1")
+    assert second.locator("#view-train .go").is_disabled()
+    first.click("#view-train .stop")
+    shows(first, "Cancelled after")
+    assert first.locator("#view-train .go").is_enabled()
+    shows(second, "Training: epoch")
+    second.click("#view-train .stop")
+    shows(second, "Cancelled")
