@@ -1,12 +1,17 @@
 """Explore's story in a real Chromium: modes of p, staircase, unseen domains, toy, finder."""
 
+import re
+
+import numpy as np
 import pytest
 
+from app.shared.tables import tables
 from omnivat.data.domains import DOMAINS
-from omnivat.head.heads import EXAMPLES
+from omnivat.data.store import load_embeddings
+from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.maps.frames import read_frames
 
-from .gestures import MAP, MOVED, READY, TOOLS, grab, open_tab, pixels, place_of_a_point, pull
+from .gestures import MAP, MOVED, TOOLS, grab, open_tab, pixels, place_of_a_point, pull, settle
 
 pytestmark = pytest.mark.browser
 
@@ -17,57 +22,58 @@ def words(page, selector):
     return text.replace("\xa0", " ")
 
 
-@pytest.mark.parametrize("width", [1280, 400])
-def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_gradio_comes(
-    chromium, address, width
-):
-    page = chromium.new_page(viewport={"width": width, "height": 720})
-    held = []
-    page.route("**/assets/index-*.js", lambda route: held.append(route))
-    place = "JSON.stringify(document.querySelector('.explore').getBoundingClientRect())"
-    try:
-        page.goto(f"{address}?chapter=gaps&map=pca", wait_until="commit")
-        page.wait_for_selector(f".explore.ready {MAP.removeprefix('.explore ')}")
-        assert not page.locator("#view-explore-button, body[data-ready]").count()
-        opened = page.get_attribute(MAP, "data-order")
-        moved = "old => document.querySelector('.explore .map').dataset.order !== old"
-        page.focus(".explore .order-bar [role=slider], .explore .order-bar input")
-        page.keyboard.press("ArrowRight")
-        page.wait_for_function(moved, arg=opened)
-        box = grab(page, 0.4)
-        held[0].continue_()
-        page.wait_for_selector("#view-explore-button", state="attached")
-        dragged = page.get_attribute(MAP, "data-order")
-        pull(page, box, 0.6)
-        page.wait_for_function(moved, arg=dragged)  # the drag goes on
-        before = page.evaluate(place), page.get_attribute(MAP, "data-order")
-        focused = page.evaluate("document.activeElement.outerHTML")
-        page.mouse.up()
-        page.wait_for_selector("body[data-ready]")
-        page.wait_for_selector("#omnivat-first", state="detached")
-        assert page.locator("#view-explore .explore").is_visible()
-        assert before == (page.evaluate(place), page.get_attribute(MAP, "data-order"))
-        assert page.evaluate("document.activeElement.outerHTML") == focused
-        page.keyboard.press("ArrowRight")
-        page.wait_for_function(moved, arg=before[1])
-    finally:
-        page.close()
+PLACE = "JSON.stringify(document.querySelector('.explore').getBoundingClientRect())"
 
 
-def test_limits_that_are_opened_before_gradio_comes_stay_open(chromium, address):
-    page = chromium.new_page()
-    held = []
-    page.route("**/assets/index-*.js", lambda route: held.append(route))
-    try:
-        page.goto(address, wait_until="commit")
+@pytest.fixture
+def early(new_page, address):
+    """Return a function that opens a page at a size; what it gives lets Gradio's script come."""
+
+    def opened(query, size):
+        page, held = new_page(size), []
+        page.route("**/assets/index-*.js", lambda route: held.append(route))
+        page.goto(address + query, wait_until="commit")
         page.wait_for_selector(".explore.ready")
-        page.click(".top .badge:has-text('simulated data')")
-        page.wait_for_selector(".top .limits >> visible=true")
-        held[0].continue_()
-        page.wait_for_selector("#omnivat-first", state="detached")
-        assert page.is_visible(".top .limits")
-    finally:
-        page.close()
+        assert not page.locator("#view-explore-button, body[data-ready]").count()
+        return page, lambda: held[0].continue_()
+
+    return opened
+
+
+def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_gradio_comes(early):
+    page, come = early("?chapter=gaps&map=pca", (1280, 720))
+    page.wait_for_selector(MAP)
+    opened = page.get_attribute(MAP, "data-order")
+    moved = "old => document.querySelector('.explore .map').dataset.order !== old"
+    page.focus(".explore .order-bar [role=slider], .explore .order-bar input")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function(moved, arg=opened)
+    box = grab(page, 0.4)
+    come()
+    page.wait_for_selector("#view-explore-button", state="attached")
+    dragged = page.get_attribute(MAP, "data-order")
+    pull(page, box, 0.6)
+    page.wait_for_function(moved, arg=dragged)  # the drag goes on
+    before = page.evaluate(PLACE), page.get_attribute(MAP, "data-order")
+    focused = page.evaluate("document.activeElement.outerHTML")
+    page.mouse.up()
+    page.wait_for_selector("body[data-ready]")
+    page.wait_for_selector("#omnivat-first", state="detached")
+    assert page.locator("#view-explore .explore").is_visible()
+    assert before == (page.evaluate(PLACE), page.get_attribute(MAP, "data-order"))
+    assert page.evaluate("document.activeElement.outerHTML") == focused
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function(moved, arg=before[1])
+
+
+def test_on_a_phone_nothing_moves_and_limits_that_are_open_stay_open_when_gradio_comes(early):
+    page, come = early("", (400, 720))
+    page.click(".top .badge:has-text('simulated data')")
+    page.wait_for_selector(".top .limits >> visible=true")
+    before = page.evaluate(PLACE)
+    come()
+    page.wait_for_selector("#omnivat-first", state="detached")
+    assert page.is_visible(".top .limits") and page.evaluate(PLACE) == before
 
 
 def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(visit):
@@ -136,6 +142,7 @@ def test_strangers_have_a_bar_each_a_reading_its_map_and_a_cell_of_the_matrix_fi
     cell = page.locator(".explore .confusion button:not(:disabled)").first
     count = int(cell.inner_text())
     cell.click()
+    page.wait_for_function("location.search.includes('cell=')")
     page.wait_for_selector(f".explore .pictures h4:has-text('{2 * count} points selected')")
     assert page.locator(".explore .pictures .tiles button").count() == min(count, 60)
     page.locator('.explore .confusion [aria-pressed="true"]').click()
@@ -193,6 +200,70 @@ def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(visit):
     page.wait_for_selector(".explore .map.pictured")
 
 
+def drag_over(page, name):
+    """Drag over the middle of a histogram."""
+    histogram = page.locator(f'.explore .histograms [data-name="{name}"] svg')
+    histogram.scroll_into_view_if_needed()
+    box = histogram.bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + 0.3 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=4)
+    page.mouse.up()
+
+
+def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_aside_elsewhere(
+    visit,
+):
+    page = visit(TOOLS, ".explore .histograms svg")
+    drag_over(page, "cosine")
+    page.wait_for_selector(".explore [data-panel=step] .map-title:has-text('photo–touch cosine')")
+    pixels(page)  # the last move of the mouse is drawn
+    settle(page)
+    assert "range=" in page.url
+    found = page.inner_text(".explore .finder .found")
+    page.click('.explore [data-chapter="order"]')
+    page.wait_for_selector(".explore .title:visible")
+    assert "range=" not in page.url
+    page.click('.explore [data-chapter="analyse"]')
+    page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
+    page.focus(".explore .histograms [data-name=confidence] svg")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    assert page.inner_text(".explore .finder .found") != found
+    page.click(".explore .histograms [data-name=confidence] button")
+    assert page.inner_text(".explore .finder .found") == found
+
+
+def test_one_head_for_every_order_is_a_mode_and_its_curves_follow_p(visit):
+    frames = read_frames(EXAMPLES / "every.bin")
+    for order in (0.2, 0.8):
+        page = visit(f"{TOOLS}&mode=every&map=pca&p={order}", f'{MAP}[data-order="{order}"]')
+        modes = page.locator(".explore .modes [data-key]")
+        shown = modes.evaluate_all("all => all.map((one) => one.dataset.key)")
+        assert shown == [row["id"] for row in tables()["modes"]]
+        shown = page.text_content(".explore .curves [data-name=accuracy] output")
+        value = frames.curves["accuracy/unseen"][frames.orders.index(order)]
+        assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"
+        assert "One head for every p" in page.inner_text(".explore .mode-words")
+
+
+def test_neighbours_in_frames_of_another_head_are_those_of_the_raw_embedding(visit):
+    pairs, pair = load_embeddings(default_embeddings()), 100
+    rows = np.concatenate([pairs.vis, pairs.tac]).astype(np.float64)
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    cosines = rows @ rows[pair]
+    nearest = [int(k) for k in np.argsort(-cosines) if k != pair][:6]
+    page = visit(f"{TOOLS}&mode=every&stage=f_hat&p=0.8&pin={pair}", ".card .near")
+    assert "raw embedding" in page.inner_text(".card .near h4")
+    page.click(".card .find >> nth=0")
+    page.wait_for_selector(".card .found button")
+    found = page.locator(".card .found button")
+    assert found.evaluate_all("all => all.map((one) => +one.dataset.point)") == nearest
+    said = [re.search(r"cosine ([\d.]+)", found.nth(k).get_attribute("title"))[1] for k in range(6)]
+    np.testing.assert_allclose([float(text) for text in said], cosines[nearest], atol=6e-4)
+
+
 def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page, address):
     page = new_page()
     page.goto(f"{address}?set=forgotten", wait_until="commit")
@@ -202,5 +273,4 @@ def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page, address):
     open_tab(page, "pair")
     page.wait_for_selector(".pair .problem:has-text('no longer has')")
     open_tab(page, "explore")
-    page.click(".explore .wait a")
-    page.wait_for_selector(READY["explore"])
+    assert "set=" not in page.get_attribute(".explore .wait a", "href")

@@ -27,31 +27,23 @@ def file(tmp_path_factory):
     return folder / "page.html"
 
 
-@pytest.fixture
-def opened(chromium, file):
-    """Return a function that opens the page; it collects errors and requests."""
-    contexts = []
-
-    def open_page(**options):
-        contexts.append(chromium.new_context(**options))
-        page = contexts[-1].new_page()
-        page.wrong = []
-        page.on("pageerror", lambda error: page.wrong.append(str(error)))
-        page.on(
-            "request",
-            lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url),
-        )
-        page.goto(file.as_uri())
-        page.wait_for_selector("body[data-drawn]")
-        return page
-
-    yield open_page
-    for context in contexts:
-        context.close()
+@pytest.fixture(scope="module")
+def page(chromium, file):
+    """Return the page in the dark on a phone; it collects errors and requests."""
+    page = chromium.new_page(color_scheme="dark", viewport={"width": 400, "height": 800})
+    page.wrong = []
+    page.on("pageerror", lambda error: page.wrong.append(str(error)))
+    page.on(
+        "request",
+        lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url),
+    )
+    page.goto(file.as_uri())
+    page.wait_for_selector("body[data-drawn]")
+    yield page
+    page.close()
 
 
-def test_no_control_of_a_figure_leads_to_another_host(opened):
-    page = opened()
+def test_no_control_of_a_figure_leads_to_another_host(page):
     titles = page.eval_on_selector_all(
         ".modebar-btn", "all => all.map((e) => e.dataset.title ?? e.title)"
     )
@@ -62,16 +54,14 @@ def test_no_control_of_a_figure_leads_to_another_host(opened):
     assert [one for one in page.wrong if "example.org" not in one] == []
 
 
-def test_the_figure_follows_light_and_dark_and_its_own_switch(opened):
+def test_the_figure_follows_light_and_dark_and_its_own_switch(page):
     ink = "getComputedStyle(document.querySelector('.gtitle')).fill"
-    page = opened(color_scheme="dark")
     assert page.evaluate(ink) == "rgb(232, 238, 246)"
     page.click(".theme")
     page.wait_for_function(f"{ink} === 'rgb(15, 23, 42)'")
 
 
-def test_pointing_at_a_point_shows_its_photo_and_its_touch(opened):
-    page = opened(viewport={"width": 400, "height": 800})
+def test_pointing_at_a_point_shows_its_photo_and_its_touch(page):
     mark = page.locator(".plot").first.locator(".point").first
     mark.hover(force=True)
     page.wait_for_selector("#tip i >> nth=1", state="attached")

@@ -10,7 +10,7 @@ from omnivat import EXAMPLES, read_frames
 from omnivat.maps.projection.neighbours import placed
 from omnivat.measure.gaps.unit import unit
 
-from .gestures import ANSWERED, choose, grab, holds, p_shown, pixels, pull, settle
+from .gestures import ANSWERED, choose, go, grab, holds, p_shown, pixels, pull, settle
 
 pytestmark = pytest.mark.browser
 GAPS = "?chapter=gaps"
@@ -84,11 +84,11 @@ def test_the_answer_has_the_range_of_both_gaps_and_follows_the_head(gaps, frames
         said.add(words)
         assert f"by={by.replace('/', '%2F')}" in gaps.url
     assert len(said) == 3 and "chirp" in gaps.inner_text(".explore .chosen")
-    other = gaps.context.new_page()
-    other.goto(gaps.url)  # a link brings head and set back
-    other.wait_for_selector(f"{TREE} [aria-label*=chirp]")
-    assert other.inner_text(".explore .stage .figure") == words
-    other.close()
+    link = gaps.url
+    go(gaps, GAPS)
+    go(gaps, link)  # a link brings head and set back
+    gaps.wait_for_selector(f"{TREE} [aria-label*=chirp]")
+    assert gaps.inner_text(".explore .stage .figure") == words
 
 
 def test_a_step_opens_its_map_and_a_point_becomes_the_pair(gaps):
@@ -136,16 +136,16 @@ def test_a_node_lights_up_in_the_tree_and_on_the_map(gaps):
     assert label.startswith("Node 1 alone predicts")
 
 
-def test_without_motion_the_points_are_at_the_next_stop_at_once(new_page, address):
-    page = new_page(reduced_motion="reduce")
-    page.goto(address + GAPS, wait_until="commit")
-    page.wait_for_selector(TREE)
+def test_without_motion_the_points_are_at_the_next_stop_at_once(gaps):
+    page = gaps
+    page.emulate_media(reduced_motion="reduce")
     before = marks(page)
     page.focus(".explore .order")
     page.keyboard.press("ArrowRight")
     moved = np.array(page.evaluate(MARKS))
     assert (moved != before).any()
     assert (marks(page) == moved).all()
+    page.emulate_media(reduced_motion="no-preference")
 
 
 PICTURES = EXAMPLES / "pairs" / "TQ-DIGIT-sim" / "wood"
@@ -162,66 +162,35 @@ def send_pair(page):
     return files
 
 
-@torch.no_grad()
-def expected(files, frames, stop):
-    """Return where the library places two pictures and their nodes at a stop: (9, 2), map units."""
-    resources = Resources(places())
-    rows = []
+def expected(files, frames):
+    """Return a function of a stop: where the library places two pictures and their nodes there,
+    (9, 2), map units.
+    """
+    resources, rows = Resources(places()), []
     for modality, file in files.items():
         ref, _ = resources.take_image(file.read_bytes(), file.name)
         rows.append(torch.from_numpy(resources.embedding(ref, modality).copy())[None])
     model, pairs = resources.head().model, resources.embeddings()
-    order = frames.orders[stop]
-    whole = model(
-        *(torch.from_numpy(np.array(a, np.float32)) for a in (pairs.vis, pairs.tac)), order=order
-    )
-    out = model(*rows, order=order, nodes=True)
-    tree = torch.stack(list(out.f_bar.values())).mean(0)
-    queries = unit(torch.cat([*out.f_hat.values(), tree + out.nodes[0]]))
-    drawn = frames.maps["umap/f_hat"]
-    flat = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
-    return placed(queries, unit(torch.cat(list(whole.f_hat.values()))), flat).places.numpy()
+    images = [torch.from_numpy(np.array(a, np.float32)) for a in (pairs.vis, pairs.tac)]
+
+    @torch.no_grad()
+    def at(stop):
+        order = frames.orders[stop]
+        whole, out = model(*images, order=order), model(*rows, order=order, nodes=True)
+        tree = torch.stack(list(out.f_bar.values())).mean(0)
+        queries = unit(torch.cat([*out.f_hat.values(), tree + out.nodes[0]]))
+        drawn = frames.maps["umap/f_hat"]
+        flat = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
+        return placed(queries, unit(torch.cat(list(whole.f_hat.values()))), flat).places.numpy()
+
+    return at
 
 
-def test_two_uploaded_pictures_are_shown_at_every_p_where_the_library_places_them(visit, frames):
+def test_two_own_pictures_are_read_at_every_p_and_shown_where_the_library_places_them(
+    visit, frames
+):
     page = visit("?view=pair", ANSWERED)
     files = send_pair(page)
-    page.click(".pair .on-map [data-send=everyP]")
-    page.wait_for_selector(TREE)
-    settle(page)
-    assert page.url.count("image%3A") == 2
-    assert "Your pair" in page.inner_text(".explore .chosen")
-    assert "Linear maps" in page.inner_text(".explore .chosen")
-    box = grab(page)
-    before = marks(page)
-    for share in (0.1, 0.45, 0.8):
-        pull(page, box, share)
-        now = marks(page)
-        assert (np.hypot(*(now - before).T) > 0.5).sum() > 6  # both images and nodes move
-        before = now
-        order = float(page.get_attribute(".explore .map", "data-order"))
-        stop = int(np.argmin(np.abs(np.array(frames.orders) - order)))
-        wanted = expected(files, frames, stop)
-        found = page.evaluate(
-            """async (wanted) => {
-                 const url = (name) => new URL(`omnivat/web/${name}`, document.baseURI);
-                 const { scene } = await import(url('explore/root.js'));
-                 const { map } = await import(url('explore/maps.js'));
-                 const { places, nodes } = scene.chosen.journey.maps.umap;
-                 const at = scene.stop;
-                 return { sent: [places.vis[at], places.tac[at], ...nodes[at]],
-                          drawn: wanted.map((place) => map.spot(place)) };
-               }""",
-            wanted.tolist(),
-        )
-        np.testing.assert_allclose(found["sent"], wanted, atol=1e-3)
-        np.testing.assert_allclose(now, found["drawn"], atol=0.2)  # pixels
-    page.mouse.up()
-
-
-def test_what_p_changes_for_own_pictures_moves_prediction_place_tree_and_spectrum(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    send_pair(page)
     if not page.is_visible(".pair .what-if-p .order"):
         page.click(".pair .what-if-p summary")
     seen = []
@@ -240,3 +209,34 @@ def test_what_p_changes_for_own_pictures_moves_prediction_place_tree_and_spectru
         )
     assert all(len(set(part)) == 3 for part in zip(*seen, strict=True))
     assert "trained on GelSight (TAG) alone" in page.inner_text(".pair .about-p")
+    page.click(".pair .on-map [data-send=everyP]")
+    page.wait_for_selector(TREE)
+    settle(page)
+    assert page.url.count("image%3A") == 2
+    assert "Your pair" in page.inner_text(".explore .chosen")
+    assert "Linear maps" in page.inner_text(".explore .chosen")
+    box = grab(page)
+    before = marks(page)
+    wanted_at = expected(files, frames)
+    for share in (0.1, 0.8):
+        pull(page, box, share)
+        now = marks(page)
+        assert (np.hypot(*(now - before).T) > 0.5).sum() > 6  # both images and nodes move
+        before = now
+        order = float(page.get_attribute(".explore .map", "data-order"))
+        wanted = wanted_at(int(np.argmin(np.abs(np.array(frames.orders) - order))))
+        found = page.evaluate(
+            """async (wanted) => {
+                 const url = (name) => new URL(`omnivat/web/${name}`, document.baseURI);
+                 const { scene } = await import(url('explore/root.js'));
+                 const { map } = await import(url('explore/maps.js'));
+                 const { places, nodes } = scene.chosen.journey.maps.umap;
+                 const at = scene.stop;
+                 return { sent: [places.vis[at], places.tac[at], ...nodes[at]],
+                          drawn: wanted.map((place) => map.spot(place)) };
+               }""",
+            wanted.tolist(),
+        )
+        np.testing.assert_allclose(found["sent"], wanted, atol=1e-3)
+        np.testing.assert_allclose(now, found["drawn"], atol=0.2)  # pixels
+    page.mouse.up()

@@ -1,10 +1,11 @@
-"""Letters of every tab can be read: none is smaller than 10 pixels, no title is cut off."""
+"""At every width letters can be read, no title is cut, and tabs are large; the slider's thumb."""
 
 import pytest
 
 from app.shared.components import VIEWS
 
-from .gestures import READY, go, open_tab, settle
+from .conftest import DESK
+from .gestures import MAP, MOVED, READY, go, open_tab, settle
 
 pytestmark = pytest.mark.browser
 
@@ -27,61 +28,57 @@ WIDE = """wide => [...document.querySelectorAll('.ov *')].filter((e) => e.getCli
   .map((e) => e.outerHTML.slice(0, 90))"""
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"size": (400, 800)},
-        pytest.param({"size": (720, 450), "device_scale_factor": 2}, marks=pytest.mark.long),
-        pytest.param({"size": (1024, 800)}, marks=pytest.mark.long),
-    ],
-    ids=["a phone", "200 % zoom", "a small window"],
-)
-def test_no_letter_is_too_small_no_title_is_cut_and_nothing_needs_scrolling_sideways(
-    open_page, options
-):
-    page = open_page(PAIR, READY["explore"], **options)
-    wide = options["size"][0]
+@pytest.fixture
+def sized(visited):
+    """Return a function that gives the page of the file another size, until the test ends."""
+
+    def sized(width, height):
+        visited.set_viewport_size({"width": width, "height": height})
+        settle(visited)
+
+    yield sized
+    sized(*DESK["viewport"].values())
+
+
+def test_no_letter_is_too_small_no_title_is_cut_and_nothing_needs_scrolling_sideways(visit, sized):
+    page = visit(PAIR, READY["explore"])
+    sized(400, 800)  # a phone
     assert page.evaluate(SMALL) == page.evaluate(CUT) == []
     go(page, f"{PAIR}&pin=3")  # the workbench
     for view in VIEWS:
         open_tab(page, view)
         page.wait_for_selector(READY[view])
-        assert page.evaluate(SMALL) == page.evaluate(CUT) == [], view
-        assert page.evaluate(WIDE, wide) == [], view
-        assert page.evaluate("document.scrollingElement.scrollWidth") <= wide, view
+        for wide in (400, 720, 1024):
+            sized(wide, 800)
+            assert page.evaluate(SMALL) == page.evaluate(CUT) == [], (view, wide)
+            assert page.evaluate(WIDE, wide) == [], (view, wide)
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= wide, (view, wide)
+        sized(400, 800)
 
 
-def test_no_part_of_the_chirps_is_wider_than_the_window(open_page):
-    page = open_page("?set=chirps&chapter=analyse", ".explore .score b", size=(1440, 800))
-    for width in (1440, 400):
-        page.set_viewport_size({"width": width, "height": 800})
-        settle(page)
-        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
-        box = page.locator(".explore .score").bounding_box()
-        assert box["width"] > 200, "the score has room beside the map"
-
-
-def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(visit):
-    page = visit("?chapter=analyse")
-    for measure, between in (
-        ("modality_gap", "photo to touch"),
-        ("domain_gap", "domain to domain"),
-    ):
-        page.select_option(".explore .of-steps", measure)
-        assert between in page.text_content(".explore .stair-name")
-    assert "Dashed line: the raw embedding" in page.text_content(".explore .all.curves")
-
-
-def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(open_page):
-    page = open_page("?chapter=analyse&mode=moved&beside=1", READY["explore"], size=(1280, 720))
-    settle(page)
-    assert (
-        page.evaluate(
-            "(({ scrollWidth, clientWidth }) => scrollWidth -"
-            " clientWidth)(document.querySelector('.side'))"
-        )
-        <= 0
+def test_on_a_projector_letters_of_charts_are_large_enough_and_nothing_is_cut_even_in_a_lecture(
+    visit, sized
+):
+    page = visit(MOVED, MAP)
+    sized(1280, 720)
+    small = page.evaluate(
+        """() => [...document.querySelectorAll('.explore svg text')]
+          .filter((t) => t.checkVisibility())
+          .map((t) => parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getScreenCTM().a)
+          .filter((size) => size < 11.4)"""
     )
+    assert small == []
+    cut = page.evaluate(
+        """() => {
+          const right = (of) => of.getBoundingClientRect().right;
+          return [...document.querySelectorAll('.explore .filters .source')]
+            .filter((mark) => right(mark) > right(mark.parentElement) + 1);
+        }"""
+    )
+    assert cut == []
+    go(page, f"{MOVED}&beside=1")
+    over = "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)"
+    assert page.evaluate(f"{over}(document.querySelector('.side'))") <= 0
     page.keyboard.press("f")
     page.wait_for_selector("body.lecturing")
     cut = """() => {
@@ -91,3 +88,41 @@ def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(ope
         .map((text) => text.textContent);
     }"""
     assert page.evaluate(cut) == []
+    page.keyboard.press("f")
+
+
+def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(visit):
+    page = visit("?chapter=order", MAP)
+    for key in ("Home", "End"):
+        page.focus(".explore .order")
+        page.keyboard.press(key)
+        off = page.evaluate(
+            """key => {
+              const box = (of) => document.querySelector(`.explore ${of}`).getBoundingClientRect();
+              const [mark, track] = [box('.over circle.now'), box('.order')];
+              const thumb = key === 'Home' ? track.left + 8 : track.right - 8;
+              return Math.abs(mark.left + mark.width / 2 - thumb);
+            }""",
+            key,
+        )
+        assert off <= 2
+
+
+def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reached(visit, sized):
+    page = visit("", READY["explore"])
+    sized(400, 800)
+    tabs = page.locator("[role=tablist]:visible [role=tab]")
+    boxes = [tabs.nth(i).bounding_box() for i in range(tabs.count())]
+    assert len(boxes) == 3
+    assert len({box["y"] for box in boxes}) == 1
+    assert min(min(box["height"], box["width"]) for box in boxes) >= 43.5
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    for i in range(3):
+        tabs.nth(i).click()
+        page.wait_for_function(
+            "i => document.querySelectorAll('[role=tab]:not(.visually-hidden"
+            " *)')[i].getAttribute('aria-selected') === 'true'",
+            arg=i,
+        )
+        box = tabs.nth(i).bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 400
