@@ -12,7 +12,7 @@ from benchmarks._fuzz import MOST_MB, fuzz, limited, seeds_of, table_of
 from benchmarks._fuzz_readers import READERS, Reader
 from omnivat.kit.errors import DataError
 
-CASES = 6  # of each reader
+CASES = 3  # of each reader
 GOOD = b"good"
 
 

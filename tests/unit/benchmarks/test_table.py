@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks import _table_methods, table
+from benchmarks import table
 from benchmarks.relief import Reliefs, Wide
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
@@ -60,13 +60,6 @@ def test_the_record_by_relief_holds_what_the_shipped_folder_gives():
     relief = Reliefs(whole)
     shares = table.Measured(relief.source, *run.values(), relief=relief).shares()
     assert {rung: table.letters_of(values) for rung, values in shares.items()} == kept
-
-
-def test_the_perceptron_of_the_table_learns_its_source(embeddings):
-    rows = embeddings.rows_of("TAG-sim", split="train")
-    learned = _table_methods.erm_mlp(embeddings, "TAG-sim", 0, {"epochs": 10})
-    shares = learned.readings(_table_methods.raw_of(embeddings, rows))["fused"]
-    assert (shares.argmax(1).numpy() == embeddings.label[rows]).mean() > 0.9
 
 
 @pytest.mark.slow

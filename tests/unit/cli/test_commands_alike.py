@@ -75,6 +75,7 @@ def test_every_command_takes_every_kind_or_says_what_it_wants(
     if command == "try":
         last = said.strip().splitlines()[-2]
         assert last.startswith("No head was trained" if kind == "no classes" else "In short: ")
+        assert (tmp_path / "out" / "set.thumbnails.webp").is_file()
 
 
 @pytest.mark.parametrize("command", ["teach", "report"])

@@ -6,12 +6,12 @@ import json
 import pytest
 
 from omnivat.cli import main
-from omnivat.cli.sweep import names_of, orders_of
+from omnivat.cli.sweep import orders_of
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
-from omnivat.maps.sweep import MEASURES, STAGES, sweep
+from omnivat.maps.sweep import STAGES, sweep
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 
 
@@ -107,11 +107,6 @@ def test_what_cannot_be_swept_is_one_sentence_and_no_file(
     said = run(*command(head_folder, *asked), code=1).err
     assert sentence in said and said.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
-
-
-def test_names_come_once_and_in_the_order_of_the_table():
-    assert names_of("f_hat, raw,f_hat", STAGES, "stage") == ("raw", "f_hat")
-    assert names_of("all", MEASURES, "measure") == MEASURES
 
 
 def test_orders_are_those_listed_or_stops_from_0_to_1_and_no_more_than_stated(monkeypatch):

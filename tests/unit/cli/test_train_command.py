@@ -50,13 +50,6 @@ def test_a_stopped_training_resumes_to_the_weights_it_would_have_given(file, tmp
     assert not (tmp_path / "head" / "training.safetensors").exists()
 
 
-def test_without_resume_a_stopped_training_starts_again(file, tmp_path, monkeypatch):
-    with monkeypatch.context() as patch:
-        stopped_in_the_second_epoch(patch)
-        assert main(command(file, tmp_path / "head", "--seed", "5")) == 130
-    assert main(command(file, tmp_path / "head")) == 0
-
-
 def test_the_checkpoint_says_where_its_lang_came_from(file, tmp_path):
     assert main(command(file, tmp_path / "head")) == 0
     record = json.loads((tmp_path / "head" / "settings.json").read_text(encoding="utf-8"))
@@ -95,11 +88,3 @@ def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
     assert main(command(file, tmp_path / "head")) == 1
     assert "holds 'thesis.txt', which is not part of a head" in capsys.readouterr().err
     assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"
-
-
-def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):
-    more = ("--set", "order_search=true", "--set", "lang=false")
-    assert main(command(file, tmp_path / "head", *more)) == 0
-    search = load_head(tmp_path / "head").metrics["order_search"]
-    assert len(search["orders"]) == len(search["score"]) == len(search["spread"])
-    assert search["found"] == load_head(tmp_path / "head").model.order

@@ -158,15 +158,6 @@ def test_one_domain_says_what_is_not_known(tmp_path, tried):
     assert "another sensor is not known" in said and "each pair counts as an object" in said
 
 
-def test_one_modality_trains_a_head_of_that_modality(tmp_path, tried):
-    vectors(tmp_path / "both.npz")
-    kept = dict(np.load(tmp_path / "both.npz"))
-    np.savez(tmp_path / "touch.npz", tac=kept["tac"], material=kept["material"])
-    assert "touches alone" in tried(tmp_path / "touch.npz")
-    train = load_head(tmp_path / "touch-try" / "head").provenance["train"]
-    assert train["modalities"] == "tac"
-
-
 def test_two_pairs_give_a_head_and_no_figure(tmp_path, tried):
     said = tried(vectors(tmp_path / "two.npz", 2))
     assert "no honest figure" in said
@@ -227,26 +218,6 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     )
     home, away = json.loads((tmp_path / "mine-try" / "figures.json").read_text())
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
-
-
-def test_touches_may_have_an_encoder_and_a_layer_of_their_own(tmp_path, run, paint):
-    for half in ("vis", "tac"):
-        for k in range(2):
-            paint(tmp_path / "mine" / f"bench/wood/{k}_{half}.png")
-    own = ["--encoder", "strip", "--tac-encoder", "efficientnet-lite0", "--layer", "2"]
-    run("try", tmp_path / "mine", "--no-page", *own)
-    made = load_embeddings(tmp_path / "mine-try" / "set.safetensors")
-    assert made.header.encoder == "strip | efficientnet-lite0#2"
-    said = run("try", tmp_path / "mine", "--tac-weights", "x.pt", code=1).err
-    assert "--tac-weights needs --tac-encoder" in said
-
-
-def test_pictures_with_names_alone_get_thumbnails(tmp_path, tried, paint):
-    for name in ("0_vis", "0_tac", "1_vis", "1_tac"):
-        paint(tmp_path / "p" / f"{name}.png")
-    said = tried(tmp_path / "p")
-    assert "no classes" in said and "No thumbnails" not in said
-    assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
 
 
 def test_another_file_ends_in_one_sentence(tmp_path, run):

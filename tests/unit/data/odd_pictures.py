@@ -72,17 +72,6 @@ def soft_lines(side: int, seed: int) -> Array:
     return np.asarray(gel(side, seed) * (1 - shade)[..., None])
 
 
-def knurl(side: int, seed: int) -> Array:
-    """Lit relief in a grid: each side has its own colour."""
-    y, x = places(side)
-    slopes = [
-        np.cos(x / 3.5) * np.sin(y / 3.5),
-        np.sin(x / 3.5) * np.cos(y / 3.5),
-        -np.cos(x / 3.5) * np.sin(y / 3.5),
-    ]
-    return np.asarray(gel(side, seed) + 70 * np.stack(slopes, -1))
-
-
 def corner(side: int, seed: int) -> Array:
     """Dots in one corner only."""
     shade, end = printed(side, 20 * side / SIDE, 3 * side / SIDE), 110 * side // SIDE
@@ -98,7 +87,7 @@ def checkers(side: int, seed: int) -> Array:
 
 ODD: dict[str, Callable[[int, int], Array]] = {
     one.__name__.replace("_", " "): one
-    for one in (gel, snow, dots_among_specks, soft_lines, knurl, corner, checkers)
+    for one in (gel, snow, dots_among_specks, soft_lines, corner, checkers)
 }
 
 

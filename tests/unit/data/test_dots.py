@@ -52,15 +52,6 @@ def test_dots_of_a_large_picture_are_found_in_a_reduced_one():
     assert np.abs(filled.astype(float) - clean)[shade > 0.1].mean() < 9
 
 
-def test_missing_dots_and_a_press_leave_the_rest_of_the_grid_filled():
-    clean = gel()
-    shade = printed(missing=0.1, bulge=0.12)
-    filled, dots = fill_dots(with_dots(clean, shade))
-    assert dots is not None and dots.share < 1
-    covered = (filled != with_dots(clean, shade)).any(2)
-    assert covered[shade > 0.4].mean() > 0.97
-
-
 def test_light_dots_on_a_dark_gel_are_filled():
     clean = gel() / 3
     shade = printed()
@@ -75,13 +66,6 @@ def test_what_is_not_a_dot_keeps_its_bytes():
     far = gaussian_filter((shade > 0).astype(float), 3) < 0.01
     assert far.any() and (filled[far] == marked[far]).all()
     assert filled is not marked and marked.flags.writeable  # the picture given stays
-
-
-def test_the_second_fill_finds_nothing():
-    once, dots = fill_dots(with_dots(gel(), printed()))
-    assert dots is not None
-    again, none = fill_dots(once)
-    assert none is None and again is once
 
 
 @pytest.mark.parametrize("name", ODD)

@@ -125,15 +125,6 @@ def test_colours_hidden_under_full_transparency_do_not_matter():
     assert np.array_equal(seen[0][:, 16:], RGB[:, 16:])
 
 
-def test_a_transparent_entry_of_a_palette_is_laid_on_white():
-    image = Image.new("P", (16, 16), 0)
-    image.putpalette([10, 20, 30, 200, 100, 50])
-    image.paste(1, (8, 0, 16, 16))
-    read = values(encoded(image, transparency=0))
-    assert (read[:, :8] == 255).all()
-    assert (read[:, 8:] == (200, 100, 50)).all()
-
-
 def test_the_exif_rotation_is_applied():
     exif = Image.Exif()
     exif[0x0112] = 6

@@ -142,18 +142,6 @@ def test_splits_that_a_data_set_states_are_kept_and_a_single_one_tells_nothing(t
         assert [clip.split for clip in clips] == expected
 
 
-def test_contact_picks_the_moments_whose_touch_differs_most(tmp_path):
-    touch = [50] * 12 + [200, 210, 220] + [50] * 5
-    film(tmp_path / "t.mkv", touch, spot=slice(12, 24))  # which has no length of its own
-    film(tmp_path / "v.mp4", range(100, 120))
-    (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,t.mkv,wood\n")
-    write_pairs(clips_of(tmp_path), tmp_path / "out", frames=3, pick="contact")
-    pairs = read_pairs(tmp_path / "out").pairs
-    assert [pair.tac.name for pair in pairs] == ["000_tac.png", "001_tac.png", "002_tac.png"]
-    assert [seen(pair.tac) for pair in pairs] == pytest.approx([59.4, 60, 60.6], abs=0.5)
-    assert [round(seen(pair.vis)) for pair in pairs] == pytest.approx([112, 113, 114], abs=1)
-
-
 def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
     film(tmp_path / "a.mp4", range(100, 140))
     film(tmp_path / "b.mp4", range(40, 80))
@@ -337,26 +325,6 @@ def test_cameras_are_recognised_by_whole_words_and_others_are_asked_for(
         return
     chosen = {clip.cameras for clip in clips_of(root)}
     assert len(chosen) == touches and all(one.startswith(f"photo {photo}, touch") for one in chosen)
-
-
-@pytest.mark.parametrize("mixed", [False, True])
-def test_films_of_touch_keep_the_objects_splits_and_domain_of_their_table(tmp_path, mixed, capsys):
-    rows = ["vis;tac;Class;sensor;object;split"]
-    for k, (thing, split) in enumerate((("mug", "train"), ("mug", "Training"), ("fork", "test"))):
-        film(tmp_path / f"{k}.mp4", range(100, 120))
-        photo = "2.mp4" if mixed and k == 2 else ""
-        rows.append(";".join((photo, f"{k}.mp4", "ceramic", "rig, left", thing, split)))
-    (tmp_path / "press.csv").write_text("\n".join(rows))
-    sheet = tmp_path / "look.png"
-    line = ["import", str(tmp_path), "--out", str(tmp_path / "out"), "--frames", "2"]
-    assert main([*line, "--look", str(sheet)]) == 0
-    found = read_pairs(tmp_path / "out")
-    assert found.modalities() == ("tac",) and found.domains() == ("rig, left",)
-    names = [("mug", "train")] * 4 + [("fork", "test")] * 2
-    assert [(pair.object, pair.split) for pair in found.pairs] == names
-    said = capsys.readouterr().out
-    assert "6 pairs of 3 recordings" in said
-    assert "rig, left  -     train  4        4      1" in said and sheet.is_file()
 
 
 def test_names_that_are_equal_as_folders_get_folders_of_their_own(tmp_path):

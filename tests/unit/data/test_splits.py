@@ -1,14 +1,13 @@
 """Splits keep objects whole, classes balanced, and repeat with their seed."""
 
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omnivat.data.pairs import Pair, Tally
-from omnivat.data.splits import balance, hold_out, split_by_object
+from omnivat.data.pairs import Pair
+from omnivat.data.splits import hold_out
 
 
 def pairs(objects, domain="D"):
@@ -50,24 +49,3 @@ def test_every_class_of_two_objects_is_on_both_sides(classes, size, fraction):
 def test_pairs_without_an_object_are_each_their_own():
     held = hold_out([""] * 100, np.zeros(100, dtype=int), 0.2, seed=0)
     assert held.sum() == 20
-
-
-def test_a_domains_split_does_not_depend_on_the_others():
-    one = pairs([(f"a{i}", "wood") for i in range(20)], "A")
-    two = pairs([(f"a{i}", "wood") for i in range(30)], "B")
-    alone = split_by_object(one, seed=0, test=0.3)
-    both = split_by_object([*two, *one], seed=0, test=0.3)
-    assert both[30:] == alone
-    assert [pair.split for pair in both[:20]] != [pair.split for pair in alone], "drawn apart"
-
-
-def test_balance_draws_as_many_of_each_class():
-    members = pairs([("", "wood")] * 9 + [("", "glass")] * 4 + [("", "steel")] * 5)
-    members += pairs([("", "wood")] * 6, "E")
-    kept = balance(members, left_out := Tally(), seed=0)
-    counts = Counter((p.domain, p.material) for p in kept)
-    assert counts == {("D", name): 4 for name in ("wood", "glass", "steel")} | {("E", "wood"): 6}
-    lost = {s.what: s.count for s in left_out.result("", Path(), kept, "").skipped}
-    assert lost == {"D: 5 of 9 wood": 5, "D: 1 of 5 steel": 1}
-    assert kept == balance(members, Tally(), seed=0)
-    assert kept != balance(members, Tally(), seed=1)

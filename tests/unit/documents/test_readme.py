@@ -32,6 +32,8 @@ AGAIN = (
 )
 NAMES = {"PAIRS": "examples/pairs", "DOMAIN": "TAG-sim"}
 LIGHTER = {  # an option that leaves out what costs minutes, or waits for a person
+    "try examples/pairs --out mine ": "--encoder strip",
+    "embed examples/pairs --out mine": "--encoder strip",
     "train ": "--set epochs=2",
     "export --site": "--no-models --sets sensors",
 }

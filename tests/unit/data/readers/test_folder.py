@@ -50,12 +50,9 @@ def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
         ),
         # halves may differ in format and case
         (["D/wood/a_VIS.JPG", "D/wood/a_tac.webp"], [("D", "wood", "")]),
-        (["a_*.png"], [("", NO_CLASS, "")]),
-        (["D/a_*.png"], [("D", NO_CLASS, "")]),
         (["D/wood/1/2/a_*.png"], [("D", "wood", "wood/1/2")]),
         (["D/wood/vis/a.png", "D/wood/Tac/a.png"], [("D", "wood", "")]),
         (["D/a_vis.png", "D/b_vis.png"], [("D", NO_CLASS, "")] * 2),
-        (["D/wood/a_tac.png"], [("D", "wood", "")]),
     ],
 )
 def test_folders_name_what_they_can_and_pictures_alone_stand_for_both(tree, files, pairs):

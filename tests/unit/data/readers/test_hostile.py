@@ -62,20 +62,6 @@ def answer(root: Path, **options: object) -> None:
     assert summary_table(found).replace("\n", "").isprintable()
 
 
-@pytest.fixture
-def clips(clip):
-    return clip("1", [0, 1, 7])
-
-
-@few
-@given(contents, contents, st.booleans())
-def test_any_bytes_in_touch_and_go_lists_give_pairs_or_a_sentence(clips, train, names, keep):
-    (clips / "train.txt").write_bytes(b"1/0.jpg,3\n" * keep + train)
-    (clips / "test.txt").write_bytes(b"1/7.jpg,2")
-    (clips / "category_reference.txt").write_bytes(names.replace(b",", b":"))
-    answer(clips, keep_labels=keep)
-
-
 @pytest.mark.slow
 @few
 @given(values, values, contents)

@@ -36,13 +36,6 @@ def test_other_frames_of_the_press_and_another_camera_can_be_asked_for(press, fr
     assert {p.vis.parent.name for p in found} == {"third_view"}
 
 
-def test_iron_is_steel_and_polycarbonate_plastic_unless_strict(press):
-    assert read_pairs(press).materials() == ("wood", "steel", "plastic")
-    strict = read_pairs(press, strict=True)
-    assert {p.object for p in strict.pairs} == {"1", "2", "3"}
-    assert "strict: iron is not steel itself" in {s.why for s in strict.skipped}
-
-
 def test_objects_are_whole_in_train_or_test(press):
     found = read_pairs(press)
     splits = {p.object: {q.split for q in found.pairs if q.object == p.object} for p in found.pairs}

@@ -1,7 +1,5 @@
 """A CSV of pairs: what is read, what is skipped, what is refused."""
 
-import unicodedata
-
 import pytest
 
 from omnivat.data.materials import NO_CLASS
@@ -47,15 +45,6 @@ def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):
     assert found.origin == "table 'pairs.csv'"
 
 
-def test_columns_are_found_by_names_of_several_words_and_those_not_used_are_named(table, tree):
-    tree("v.png", "t.png")
-    found = read_pairs(
-        table("Photo file,gelsight,Object ID,class-name,Day\nv.png,t.png,mug 1,Wood,Monday\n")
-    )
-    assert [(pair.object, pair.material) for pair in found.pairs] == [("mug 1", "wood")]
-    assert found.origin.endswith("photos of 'photo file', touches of 'gelsight', not used: day")
-
-
 @pytest.mark.parametrize(("alone", "pairs", "there"), [(1, 19, ("vis", "tac")), (5, 20, ("tac",))])
 def test_rows_without_a_photo_are_left_out_if_few_and_make_a_set_of_touches_if_many(
     table, tree, reasons, alone, pairs, there
@@ -66,16 +55,6 @@ def test_rows_without_a_photo_are_left_out_if_few_and_make_a_set_of_touches_if_m
     assert (len(found.pairs), found.modalities()) == (pairs, there)
     assert {(p.domain, p.object, p.split) for p in found.pairs} == {("rig", "mug", "test")}
     assert reasons(found) == {f"row {k + 2}": "'vis' is empty" for k in range(20 - pairs)}
-
-
-@pytest.mark.parametrize("form", ["NFC", "NFD"])
-def test_a_name_is_found_in_any_unicode_form(tmp_path, tree, form):
-    other = {"NFC": "NFD", "NFD": "NFC"}[form]
-    tree(*(unicodedata.normalize(form, name) for name in ("béton/ü_vis.png", "béton/ü_tac.png")))
-    cells = unicodedata.normalize(other, "béton/ü_vis.png,béton\\ü_tac.png,wood,Tür")
-    (tmp_path / "pairs.csv").write_text(f"vis,tac,material,object\n{cells}", "utf-8")
-    (pair,) = read_pairs(tmp_path).pairs
-    assert pair.tac.is_file() and pair.object == unicodedata.normalize("NFC", "Tür")
 
 
 def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):

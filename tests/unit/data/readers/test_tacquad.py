@@ -85,17 +85,6 @@ def test_items_can_be_kept_whole(root):
     assert all(len(splits) == 1 for splits in sides.values())
 
 
-def test_materials_come_from_names_captions_and_slips(root):
-    found = read_pairs(root)
-    materials = {p.object: p.material for p in found.pairs}
-    assert materials == {
-        "galss_cup": "glass",
-        "woodblock": "wood",
-        "steel_rail": "steel",
-        "bench": "plastic",
-    }
-
-
 @pytest.mark.parametrize(
     ("item", "caption", "material"),
     [
@@ -153,13 +142,6 @@ def test_what_is_listed_but_not_there_is_counted(root):
     assert whys["indoor/galss_cup, TQ-GelMini"] == ("frames of the range that are not there", 2)
     assert whys["outdoor/steel_rail, TQ-DIGIT"][0] == "no range of frames in contact_outdoor.csv"
     assert whys["outdoor/steel_rail, TQ-DuraGel"][0] == "no range of frames in contact_outdoor.csv"
-
-
-def test_an_empty_tac3d_folder_gives_no_pairs_and_says_so(root, reasons):
-    (root / "data_indoor/galss_cup/tac3d").mkdir()
-    found = read_pairs(root)
-    assert "TQ-T3D" not in found.domains()
-    assert reasons(found)["indoor/galss_cup, TQ-T3D"] == "no fields in tac3d"
 
 
 def fields(root, tree):
