@@ -13,7 +13,7 @@ from contextlib import asynccontextmanager
 from itertools import accumulate
 from pathlib import Path
 from time import monotonic
-from typing import TypeVar
+from typing import Any, TypeVar
 from weakref import WeakValueDictionary
 
 from starlette.requests import Request
@@ -55,7 +55,7 @@ class StalledError(DataError):
     status = 408
 
 
-def set_of(sets: VisitorSets, request: Request) -> Resources:
+def set_of(sets: VisitorSets, request: Any) -> Resources:
     """Return the visitor set named in a request's address: the server's own, or a loaded one."""
     return sets.named(request.query_params.get("set", "")[:64])
 

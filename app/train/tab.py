@@ -11,8 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.shared.fit import fit
-from app.shared.requests import done
-from app.shared.resources import Resources
+from app.shared.requests import done, set_of
 from app.shared.state import ForgottenError, Recent
 from app.shared.visitor_sets import VisitorSets
 from app.train import words
@@ -111,7 +110,7 @@ class TrainTab:
         """Offer the choices of the visitor's set; nothing if the tab was opened before."""
         if pixels < 0:
             return {}
-        resources = self._set(request)
+        resources = set_of(self.sets, request)
         try:
             domains, first, guided = offered(resources)
         except DataError as error:
@@ -140,7 +139,7 @@ class TrainTab:
         visitor, before = _kept(record)
         visitor = visitor or os.urandom(12).hex()
         question = dict(zip(self.settings, values, strict=True))
-        key = self.runs.start(self._set(request), question, visitor)
+        key = self.runs.start(set_of(self.sets, request), question, visitor)
         self.newest.keep(request.session_hash or "", key)
         record = {"visitor": visitor, "runs": [*before, key][-KEPT_RUNS:]}
         return {self.kept: record} | self.look(request, record, pixels, by)
@@ -183,9 +182,6 @@ class TrainTab:
         names = _kept(record)[1]
         self.runs.named(names[-1] if names else "").job.cancel()
         return self.look(request, record, pixels, by)
-
-    def _set(self, request: "Request") -> Resources:
-        return self.sets.named(request.query_params.get("set", "")[:64])
 
     def _curves(self, epochs: Sequence[Any], pixels: float, **more: Any) -> Any:
         from omnivat.figures.specs import training_spec
