@@ -52,14 +52,6 @@ def test_a_large_photo_says_the_size_that_it_had_and_lies_upright(decoder):
     assert found.image.size == (2000, 3000)
 
 
-@pytest.mark.parametrize(
-    "content", [b"", b"no image", encoded(Image.new("L", (99, 99)), "WEBP")[:60]]
-)
-def test_what_cannot_be_read_is_refused_in_a_sentence_with_its_name(decoder, content):
-    with pytest.raises(DataError, match=r"'touch' .*\."):
-        decoder.read(content, "touch")
-
-
 def png(side, *parts):
     """Return a PNG of a header, other parts and few of its pixels."""
     head = chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0))

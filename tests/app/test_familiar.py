@@ -57,13 +57,6 @@ def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(
     assert first(half) == first(resources)
 
 
-def test_a_training_image_is_familiar_and_noise_is_a_guess(knowing, png):
-    ref, _ = knowing.take_image(png(seed=5), "noise.png")
-    images = predicted(knowing, {"vis": "row:3", "tac": str(ref)})["images"]
-    assert (images["vis"]["words"], images["vis"]["guess"]) == ("familiar", False)
-    assert (images["tac"]["words"], images["tac"]["guess"]) == ("unlike the training images", True)
-
-
 def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources):
     resources.head._made[:] = [replace(resources.head(), familiarity=None)]
     assert predicted(resources, {"vis": "row:3"})["images"] == {}

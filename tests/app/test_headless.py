@@ -57,11 +57,6 @@ def test_the_page_names_the_command_that_trains_a_head(foreign):
     assert found["command"] == "python -m omnivat try 'my set.safetensors'"
 
 
-def test_a_head_that_fits_needs_no_remedy(resources):
-    with served(resources) as client:
-        assert client.get("/omnivat/fit").json() == {"problem": "", "remedy": "", "command": ""}
-
-
 def test_a_visitor_may_load_a_set_of_another_encoder_but_no_head_beside_it(foreign, resources):
     other = foreign().where.embeddings
     files = {"embeddings.safetensors": other}

@@ -50,18 +50,6 @@ def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting
     torch.testing.assert_close(with_it["vis"], plain["vis"])
 
 
-def test_more_pictures_are_added_to_a_profile(visiting, refs):
-    first = profile(visiting, {"photos": refs(8)})
-    both = profile(visiting, {"photos": refs(20)[8:], "profile": first["profile"]})
-    assert both["counts"] == {"vis": 20}
-    alone = visiting.profiles.get(profile(visiting, {"photos": refs(20)})["profile"])
-    np.testing.assert_allclose(
-        visiting.profiles.get(both["profile"]).channels["vis"].mean,
-        alone.channels["vis"].mean,
-        rtol=1e-5,
-    )
-
-
 def test_a_saved_profile_is_loaded_again_as_its_touches_were_mended_and_a_broken_one_refused(
     visiting, refs
 ):

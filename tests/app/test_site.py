@@ -15,7 +15,7 @@ from app.serving.routes import FACTS, QUESTIONS
 from app.shared import map_place
 from app.shared.resources import Resources
 from app.site import folder as site
-from app.site.folder import MARK, OWN, Files, export_site
+from app.site.folder import MARK, OWN, export_site
 from app.site.models import files_in, write_places, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
@@ -153,18 +153,6 @@ def test_nothing_foreign_is_overwritten(framed, tmp_path, kind):
     with pytest.raises(WriteError, match="name a"):
         export_site(framed, out)
     assert {file: file.read_text() for file in files_in(tmp_path)} == before
-
-
-def test_a_site_appears_completely_or_not_at_all(framed, tmp_path, monkeypatch):
-    out = tmp_path / "site"
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Files, "add", full)
-    with pytest.raises(WriteError, match="No space left"):
-        export_site(framed, out, sets=(), models=False)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_set_that_the_project_lacks_is_refused(framed, tmp_path):
