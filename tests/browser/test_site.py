@@ -4,6 +4,7 @@ import base64
 import json
 from contextlib import contextmanager
 from io import BytesIO
+from shutil import copyfile
 from urllib.parse import quote
 
 import pytest
@@ -11,11 +12,12 @@ import torch
 from PIL import Image
 
 from app.explore.tab import unseen
-from app.pair.tab import predicted
-from app.shared.places import shipped_places
+from app.pair.tab import attention, predicted
+from app.shared.familiar import familiar
+from app.shared.places import places, shipped_places
 from app.shared.resources import Resources
-from app.site.folder import export_site
-from app.site.models import files_in
+from app.site.folder import export_site, whole_files
+from app.site.models import files_in, pack, write_set
 from benchmarks.site import served
 from omnivat import (
     load_embeddings,
@@ -93,6 +95,7 @@ def chapters_analyse_and_a_pair(context, address, folder):
     page.wait_for_selector(f".explore .stage .figure:not(:text-is('{before}'))")
 
     page.goto(f"{address}?chapter=analyse&pin=3&beside=1&head2=method:nearest_mean")
+    assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
     page.click(".explore [data-panel=nodes] summary")
     page.wait_for_selector(".explore .nodes .disc >> nth=6")
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
@@ -113,6 +116,35 @@ def chapters_analyse_and_a_pair(context, address, folder):
     page.wait_for_selector(".gallery button:nth-child(40) img >> nth=0", state="visible")
     page.close()
     assert problems == []
+
+
+def test_a_first_own_pair_needs_less_than_30_mb_and_a_site_of_both_sets_less_than_60(
+    folder, tmp_path, monkeypatch
+):
+    def as_large(file, head):  # its weights, as an export takes seconds
+        copyfile(head.path / "weights.safetensors", file)
+
+    monkeypatch.setattr("omnivat.head.portable.write_head", as_large)
+    resources = Resources(places())
+    write_set(resources, tmp_path / "sensors")
+    for file in files_in(tmp_path):
+        pack(file)
+
+    def megabytes(files):
+        return sum(file.stat().st_size for file in files) / 1e6
+
+    def models(file):
+        return file.relative_to(folder).parts[0].startswith(("web", "models"))
+
+    # scripts, runtime and programs, and the chirps' models
+    page = megabytes(filter(models, files_in(folder)))
+    own = megabytes(files_in(tmp_path))
+    # of the head that reads no own picture
+    later = megabytes(tmp_path.rglob("familiarity.safetensors.gz"))
+    facts = whole_files(resources, lambda _: None)
+    seen = megabytes(facts[name] for name in ("/frames", "/thumbnails.webp"))
+    assert page + own - later + seen < 30
+    assert megabytes(files_in(folder)) + own + megabytes({*facts.values()}) < 60
 
 
 def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(chromium, folder):
@@ -170,7 +202,8 @@ FIGURES = """async ([web, p, ...pictures]) => {
   }));
   const { frames } = await fetchFrames(() => {});
   const gap = values(frames, "modality_gap", "f_hat")[frames.orders.indexOf(p)];
-  return [await json("unseen"), await ask("pair", { vis, tac }), gap];
+  const more = await Promise.all([ask("familiar", { vis, tac }), ask("attention", { vis, tac })]);
+  return [await json("unseen"), await ask("pair", { vis, tac }), gap, ...more];
 }"""
 
 
@@ -178,8 +211,14 @@ def accuracies_of(record):
     return {row["domain"]: row["scores"]["fused"]["accuracy"] for row in record["domains"]}
 
 
+def cosines(image):
+    return [near["cosine"] for near in image["nearest"]]
+
+
 def test_python_the_commands_the_page_and_the_site_give_the_same_figures(desktop, folder, capsys):
-    """Accuracy in each unseen domain, probabilities of two pictures, the modality gap at F̂."""
+    """Accuracy in each unseen domain, probabilities of two pictures, the modality gap at F̂; and of
+    the last two the nearest pairs and the attention.
+    """
     where = shipped_places("chirps")
     head, embeddings = load_head(where.head), load_embeddings(where.embeddings)
     resources, encoder = Resources(where), load_encoder("strip")
@@ -212,7 +251,8 @@ def test_python_the_commands_the_page_and_the_site_give_the_same_figures(desktop
     vis, tac = (str(resources.take_image(content, "a picture")[0]) for content in pictures)
     frames = read_frames(where.frames)
     gaps = dict(zip(frames.orders, frames.curves["modality_gap/f_hat"], strict=True))
-    reply = predicted(resources, {"vis": vis, "tac": tac})
+    asked = {"vis": vis, "tac": tac}
+    reply = predicted(resources, asked)
     page = on_screen(unseen(resources), reply, float(gaps[head.model.order]))
 
     with site(folder) as address:
@@ -221,10 +261,14 @@ def test_python_the_commands_the_page_and_the_site_give_the_same_figures(desktop
         tab.wait_for_selector(".pair .reading .said")
         encoded = [base64.b64encode(content).decode() for content in pictures]
         web = next(folder.glob("web-*")).name
-        in_browser = on_screen(*tab.evaluate(FIGURES, [web, head.model.order, *encoded]))
+        *found, looked, attended = tab.evaluate(FIGURES, [web, head.model.order, *encoded])
+        in_browser = on_screen(*found)
     assert problems == []
     for accuracies, probabilities, gap in (commands, page, in_browser):
         for name, accuracy in python[0].items():
             assert accuracies[name] == pytest.approx(accuracy, abs=1e-6)
         assert probabilities == pytest.approx(python[1], abs=0.001)
         assert gap == pytest.approx(python[2], abs=1e-4)
+    for image, wanted in familiar(resources, asked)["images"].items():
+        assert cosines(looked["images"][image]) == pytest.approx(cosines(wanted), abs=0.01)
+    assert attended["scale"] == pytest.approx(attention(resources, asked)["scale"], rel=0.01)
