@@ -16,7 +16,6 @@ from torch import nn
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
-from omnivat.kit.errors import DataError
 
 PAGE = Path(__file__).parents[3] / "docs" / "encoders.md"
 BLOCKS = re.findall(r"```python\n# (my_\w+)\.py[^\n]*\n(.*?)```", PAGE.read_text("utf-8"), re.S)
@@ -76,12 +75,6 @@ def test_each_wrapper_of_the_page_is_an_encoder(folder, name, function, channels
     pixels = encoder.preprocess(grey, **{name: given[name] for name in encoder.takes})
     assert encoder.width == 6 and pixels.shape == (channels, 224, 224)
     assert encoder.embed(pixels[None]).shape == (1, 6)
-
-
-def test_what_a_wrapper_lacks_is_named_with_the_name_it_was_loaded_by(folder):
-    encoder = load_encoder("my_background.py:load", weights=folder / "my_background.pt")
-    with pytest.raises(DataError, match=r"^'my_background.py:load' needs .* --tac-rest all.$"):
-        encoder.preprocess(Image.new("RGB", (50, 60)))
 
 
 def test_a_wrapped_touch_goes_from_the_command_line_to_a_prediction(folder, capsys):

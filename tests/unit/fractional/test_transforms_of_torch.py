@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 import torch
-from torch.func import grad, jacfwd, jacrev, vmap
+from torch.func import jacfwd, jacrev, vmap
 
 from omnivat.fractional import FractionalTransform, dfrft
 from omnivat.fractional.build import _built
@@ -62,17 +62,6 @@ def test_forward_and_reverse_derivatives_agree_once_and_twice(x, order, argument
     wanted = torch.autograd.functional.hessian(loss, at)[argument][argument]
     for second in twice:
         torch.testing.assert_close(second, wanted)
-
-
-def test_a_gradient_for_each_sample_is_the_gradient_of_that_sample(x, orders):
-    def loss(order, vector):
-        return dfrft(vector, order).real.pow(4).sum()
-
-    found = vmap(grad(loss))(orders, x)
-    for row in range(5):
-        order = orders[row].clone().requires_grad_()
-        loss(order, x[row]).backward()
-        torch.testing.assert_close(found[row], order.grad)
 
 
 class _Real(torch.nn.Module):

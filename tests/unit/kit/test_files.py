@@ -216,11 +216,14 @@ def test_no_module_writes_a_table_past_the_one_writer():
     assert found == {"omnivat/kit/files.py"}
 
 
-def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code():
-    line = f"exec {sys.executable} -m omnivat fetch > /dev/full"
+@pytest.mark.parametrize(
+    ("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")]
+)
+def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code(output, why):
+    line = f"exec {sys.executable} -m omnivat fetch {output}"
     done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-    assert "No space left" in done.stderr
+    assert why in done.stderr
 
 
 @pytest.mark.slow

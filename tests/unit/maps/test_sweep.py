@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from omnivat.kit.errors import SettingsError, ShapeError
-from omnivat.maps.sweep import STAGES, sweep, walk
+from omnivat.maps.sweep import STAGES, sweep
 from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, macro_f1
 from omnivat.measure.gaps.sums import cosine_margin
@@ -80,15 +80,6 @@ def test_coefficients_are_made_once_and_each_pair_passes_once_an_order_in_chunks
     np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
     for name, curve in whole.curves.items():
         np.testing.assert_allclose(cut.curves[name], curve, atol=1e-6)
-
-
-def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
-    first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
-    assert set(first.features) == {"raw", "frft", "f_hat"}
-    assert [set(found.features) for found in later] == [{"f_hat"}] * 3
-    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), predictions=False))
-    assert [found.index for found in alone] == [0]
-    assert alone[0].probabilities == {}
 
 
 def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():

@@ -13,7 +13,7 @@ from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, Facts
 from omnivat.measure.gaps.mmd import mmd_rbf
-from omnivat.measure.gaps.proxy_a import RIDGE, fits, proxy_a, proxy_a_estimate, wrong
+from omnivat.measure.gaps.proxy_a import RIDGE, fits, proxy_a, wrong
 from omnivat.measure.gaps.unit import unit
 
 
@@ -75,15 +75,6 @@ def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
     assert proxy_a(a, b) < 0.7
     in_full = torch.cat(wrong(unit(a), unit(b), 200)).mean()  # not in the span of the rows
     assert proxy_a(a, b) == pytest.approx(max(0.0, float(2 * (1 - 2 * in_full))), abs=1e-12)
-
-
-def test_proxy_a_is_one_where_a_quarter_of_each_set_lies_with_the_other():
-    right, left = torch.tensor([[1.0, 0.0]]), torch.tensor([[-1.0, 0.0]])
-    a, b = torch.cat([right] * 75 + [left] * 25), torch.cat([left] * 75 + [right] * 25)
-    found = proxy_a_estimate(a, b)
-    assert found.value == pytest.approx(1.0)
-    # 2 (1 - 2 ε), ε the mean of two shares of 100 rows with variance 3/16 each
-    assert found.error == pytest.approx(2 * (2 * (3 / 16) * 100 / 99 / 100) ** 0.5)
 
 
 @pytest.mark.parametrize("width", [5, 90])

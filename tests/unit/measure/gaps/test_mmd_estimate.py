@@ -29,13 +29,6 @@ def test_large_sets_take_the_estimate_and_small_ones_the_exact_sum(monkeypatch):
     assert not torch.equal(mmd_rbf(a, b), exact)
 
 
-def test_blocks_do_not_change_the_exact_sum(monkeypatch):
-    a, b = rows(200, 0.0, 1), rows(150, 0.6, 2)
-    exact = mmd_rbf(a, b)
-    monkeypatch.setattr(mmd, "BLOCK", 33)
-    assert torch.allclose(mmd_rbf(a, b), exact, rtol=1e-5)
-
-
 def test_the_estimate_takes_the_width_of_all_rows_of_both_sets_whatever_their_sizes():
     """Weighted by the sets' sizes: the larger and more spread one counts more."""
     a, b = rows(30, 0.0, 1), rows(900, 0.0, 2) + torch.linspace(0, 6, 16)
