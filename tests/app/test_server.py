@@ -22,48 +22,47 @@ def interpreter(code, *arguments):
 
 
 RUNNING = """
-import json, os, sys, urllib.request
+import json, sys, urllib.request
 from http.client import HTTPConnection
+from types import SimpleNamespace
 from urllib.parse import urlsplit
-os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
 from app.serving.guard import EVENTS
-from app.shared.places import places
-from app.serving.preflight import parser
-from app.shared.resources import Resources
-from app.serving.server import LINES, build, launch, start_log
-from app.shared.visitor_sets import VisitorSets
-start_log()
-sets = VisitorSets(Resources(places()))
-page = build(sets)
-chosen = parser().parse_args(["--no-browser"])
-_, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
-for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
-    path = path and f"omnivat/{path}"
-    with urllib.request.urlopen(address + path) as answer:
-        assert answer.status == 200 and answer.read()
-heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
-print("LOADED", *sorted((heavy | {"mcp"}) & set(sys.modules)))
+from app.serving.server import LINES, main
 
-client = HTTPConnection(urlsplit(address).netloc)
 
-def sent(content):
-    client.request("POST", EVENTS, content, {"Content-Type": "application/json"})
-    reply = client.getresponse()
-    return reply.status, json.loads(reply.read())
+def create_window(title, address, **size):
+    for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
+        path = path and f"omnivat/{path}"
+        with urllib.request.urlopen(address + path) as answer:
+            assert answer.status == 200 and answer.read()
+    heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
+    print("LOADED", *sorted((heavy | {"mcp"}) & set(sys.modules)))
 
-client.request("GET", "/config")
-begin = json.loads(client.getresponse().read())["dependencies"][1]
-event = {"data": [None] * len(begin["inputs"]), "fn_index": begin["id"], "session_hash": "a"}
-odd = [None, "", [], {}, [None], -1, 1e308, float("nan"), chr(0xD800), 2**70, [[[]]], "../x"]
-bodies = [b"", b"{", b"[]", b"null", bytes([255])]
-bodies += [json.dumps({**event, key: one}).encode() for key in event for one in odd]
-unlisted = json.dumps({**event, "data": ["", 1, *["x"] * 13]}).encode()
-replies = [sent(body) for body in [*bodies, *[unlisted] * (2 * LINES + 9)]]
-assert all(status == 200 or 400 <= status < 500 for status, _ in replies), replies
-refused = [told["error"] for status, told in replies if status != 200]
-assert all(one.endswith(".") and "reload" in one for one in refused), refused
-print("REFUSED", len(refused) > LINES)
-page.close()
+    client = HTTPConnection(urlsplit(address).netloc)
+
+    def sent(content):
+        client.request("POST", EVENTS, content, {"Content-Type": "application/json"})
+        reply = client.getresponse()
+        return reply.status, json.loads(reply.read())
+
+    client.request("GET", "/config")
+    begin = json.loads(client.getresponse().read())["dependencies"][1]
+    event = {"data": [None] * len(begin["inputs"]), "fn_index": begin["id"], "session_hash": "a"}
+    odd = [None, "", [], {}, [None], -1, 1e308, float("nan"), chr(0xD800), 2**70, [[[]]], "../x"]
+    bodies = [b"", b"{", b"[]", b"null", bytes([255])]
+    bodies += [json.dumps({**event, key: one}).encode() for key in event for one in odd]
+    unlisted = json.dumps({**event, "data": ["", 1, *["x"] * 13]}).encode()
+    replies = [sent(body) for body in [*bodies, *[unlisted] * (2 * LINES + 9)]]
+    assert all(status == 200 or 400 <= status < 500 for status, _ in replies), replies
+    refused = [told["error"] for status, told in replies if status != 200]
+    assert all(one.endswith(".") and "reload" in one for one in refused), refused
+    print("REFUSED", len(refused) > LINES)
+    print("SEEN", title)
+
+
+window = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
+sys.modules["webview"] = window
+assert main(["--desktop", "--port", sys.argv[1]]) == 0
 
 from omnivat.head.checkpoint import load_head
 from omnivat.head.heads import default_head
@@ -78,11 +77,17 @@ assert component_meta.create_or_modify_pyi.__name__ == "<lambda>"
 
 
 @pytest.mark.slow
-def test_a_page_loads_nothing_heavy_and_refuses_events_that_gradio_cannot_read_in_a_sentence():
-    done = interpreter(RUNNING)
+def test_a_page_in_a_window_loads_nothing_heavy_and_refuses_events_that_gradio_cannot_read():
+    """In a separate process, because a stopped server leaves an event loop."""
+    with socket.socket() as probe:  # other tests may take the first free port at the same time
+        probe.bind(("127.0.0.1", 0))
+        port = str(probe.getsockname()[1])
+    done = interpreter(RUNNING, port)
     assert done.returncode == 0, done.stderr[-3000:]
-    said = [one for one in done.stdout.splitlines() if one.startswith(("LOADED", "REFUSED"))]
-    assert said == ["LOADED", "REFUSED True", "LOADED torch"]  # a head loads no algebra
+    words = ("LOADED", "REFUSED", "SEEN", "STARTED")
+    said = [one for one in done.stdout.splitlines() if one.startswith(words)]
+    # a head loads no algebra
+    assert said == ["LOADED", "REFUSED True", "SEEN OmniVaT", "STARTED", "LOADED torch"]
     assert 0 < done.stderr.count("Value: 'x'") <= 2 * LINES  # two minutes at most
 
 
@@ -115,34 +120,6 @@ def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypat
         said
         == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
     )
-
-
-WINDOW = """
-import sys
-from types import SimpleNamespace
-from urllib.request import urlopen
-
-def create_window(title, address, **size):
-    with urlopen(address) as answer:
-        print("SEEN", title, answer.status)
-
-window = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
-sys.modules["webview"] = window
-from app.serving.server import main
-raise SystemExit(main(["--desktop", "--port", sys.argv[1]]))
-"""
-
-
-@pytest.mark.slow
-def test_the_desktop_window_shows_the_page_while_it_is_open():
-    """In a separate process, because a stopped server leaves an event loop."""
-    with socket.socket() as probe:  # other tests may take the first free port at the same time
-        probe.bind(("127.0.0.1", 0))
-        port = str(probe.getsockname()[1])
-    done = interpreter(WINDOW, port)
-    assert done.returncode == 0, done.stderr
-    said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]
-    assert said == ["SEEN OmniVaT 200", "STARTED"]
 
 
 def test_the_server_starts_with_connections_that_have_limits(resources, monkeypatch):
