@@ -4,10 +4,11 @@ A profile is mean and variance of each embedding channel; no picture is in it. R
 `app.shared.pair_input` then moves uploaded images onto the statistics of the head's source.
 """
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.pair.pictures import decoded
 from app.shared.mend import mend_in, way_in
@@ -18,6 +19,8 @@ from app.shared.state import Question, Reply, content_name, ref_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from omnivat.data.profile import Profile
     from omnivat.data.relief import Lamps
 
@@ -55,7 +58,8 @@ def profile(resources: Resources, question: Question) -> Reply:
         pictures = [one for one in some if not str(one).startswith("unread:")]
         refs = [ref for ref in map(ref_from, pictures) if ref]
         if relit and name == "tac":
-            refs = [resources.take_image(file, "", mend, relit)[0] for file in question[FILES]]
+            taken = _readable(question, lambda file: resources.take_image(file, "", mend, relit))
+            refs = [ref for ref, _ in taken]
         rows = [resources.embedding(ref, name, mend) for ref in refs]
         if rows:
             found = channels_of(np.stack(rows))
@@ -73,11 +77,18 @@ def _lamps(resources: Resources, question: Question) -> "Lamps | None":
 
     from omnivat.data.relief import lamps
 
+    images = _readable(question, lambda file: decoded(resources, file, question))
     try:
-        images = (decoded(resources, file, question) for file in question.get(FILES, ()))
         return lamps(map(np.asarray, images))
     except DataError:
         return None
+
+
+def _readable(question: Question, read: "Callable[[bytes | Path], Any]") -> "Iterator[Any]":
+    """Yield what `read` makes of each file of a question that is a picture."""
+    for file in question.get(FILES, ()):
+        with suppress(DataError):
+            yield read(file)
 
 
 def save_sensor(resources: Resources, question: Question) -> bytes:

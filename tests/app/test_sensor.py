@@ -139,12 +139,14 @@ def test_a_new_profile_of_touches_alone_holds_their_lamps_and_keeps_them(resourc
         more = {"touches": names[:1], "profile": first}
         both = posted(client, "profile", more, files[8]).json()["profile"]
         bare = posted(client, "profile", {"photos": names[:8]}, *files[:8]).json()["profile"]
+        spoilt = {"touches": names[:9]}, *files[:8], b"no picture"
+        rest = posted(client, "profile", *spoilt).json()["profile"]
         grey = sent([np.full((64, 64, 3), 90, np.uint8)] * 5)
         none = posted(client, "profile", {"touches": names[:5]}, *grey).json()["profile"]
         held = []
-        for name in (first, both, bare, none):
+        for name in (first, both, rest, bare, none):
             file = tmp_path / name
             file.write_bytes(client.post("/omnivat/save/sensor", json={"profile": name}).content)
             held.append(load_profile(file))
-    assert [one.lamps and one.lamps.pictures for one in held] == [8, 8, None, None]
+    assert [one.lamps and one.lamps.pictures for one in held] == [8, 8, 8, None, None]
     assert held[1].counts == {"tac": 9}

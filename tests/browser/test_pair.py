@@ -1,8 +1,6 @@
 """Try a pair: one journey for each action."""
 
-import json
 import re
-from dataclasses import replace
 from io import BytesIO
 from shutil import copyfile
 from urllib.parse import parse_qs, urlsplit
@@ -12,11 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat import lamps, load_head, save_profile
 from omnivat.cli import main
 from omnivat.data.readers import read_pairs
-from omnivat.head.heads import EXAMPLES, default_head
+from omnivat.head.heads import EXAMPLES
 
+from .conftest import watched
 from .fake_sensor import CAMERAS
 from .gestures import ANSWERED, SLOT, holds, send, settle, texture
 
@@ -24,6 +22,7 @@ pytestmark = pytest.mark.browser
 
 
 PAIR = "?view=pair&vis=row:0&tac=row:0"
+KINDS = ("vis", "tac")
 FOLDER = ".pair .pairs label:has-text('Folder') input"
 
 
@@ -32,99 +31,109 @@ def said(page, reading):
     return page.inner_text(f".pair .reading[data-reading={reading}]")
 
 
-def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    for seed, modality in enumerate(("vis", "tac")):
-        send(page, modality, seed)
-    page.wait_for_selector(".pair .familiar .look")
-    if "has no record" in page.inner_text(".pair .familiar"):
-        pytest.skip("the head that is shipped holds no familiarity")
-    page.wait_for_selector(".pair .reading[data-reading=fused] .guessed")
-    for reading in ("fused", "vis", "tac"):
-        assert "This is a guess" in said(page, reading)
-        assert "%" not in said(page, reading)
-    assert page.locator(".pair .nearest button").count() == 6
+def unfold(page, part):
+    """Open a part that is folded away, unless it is open."""
+    if not page.locator(f".pair .{part}[open]").count():
+        page.click(f".pair .{part} > summary")
 
 
-def test_no_letter_of_the_chart_over_p_is_cut_off(open_page):
-    page = open_page(PAIR, ANSWERED, size=(1280, 720))
-    page.click(".pair .what-if-p summary")
-    page.wait_for_selector(".pair .what-if-p .lines text")
-    cut = page.evaluate(
+@pytest.fixture
+def pair(visit):
+    """Return the tab with a pair of the set, and without what the test before left there."""
+    page = visit(PAIR, ANSWERED)
+    for left in (".chips .drop", ".many [data-send=closed]", ".profile-now button"):
+        while page.locator(f".pair {left} >> visible=true").count():
+            page.click(f".pair {left} >> nth=0")
+    settle(page)
+    return page
+
+
+def test_the_relief_of_a_touch_turns_is_saved_and_asks_for_more_of_own_touches(pair):
+    pair.locator(".pair .gallery button").first.click()
+    pair.wait_for_selector(f"{SLOT.format('tac')} .picture img[src*=example]")
+    assert not pair.locator(".pair .relief .js-plotly-plot").count()  # nothing is loaded before
+    unfold(pair, "relief")
+    pair.wait_for_selector(".pair .relief [data-as=ply]")
+    eye = "() => document.querySelector('.relief .js-plotly-plot')._fullLayout.scene.camera.eye.x"
+    before = pair.evaluate(eye)
+    pair.focus(".pair .relief .surface")
+    pair.keyboard.press("ArrowRight")
+    pair.wait_for_function(f"before => ({eye})() !== before", arg=before)
+    for kind, first in (("png", b"\x89PNG"), ("ply", b"ply\n")):
+        with pair.expect_download() as saved:
+            pair.click(f".pair .relief [data-as={kind}]")
+        assert saved.value.path().read_bytes().startswith(first)
+    send(pair, "tac", 1)
+    pair.wait_for_selector(".pair .relief .hint:has-text('4 more pictures of your sensor')")
+    pair.click(".pair .relief summary")
+
+
+def test_p_is_moved_in_a_section_of_its_own_whose_letters_are_whole_and_leaves_the_prediction(pair):
+    prediction = said(pair, "fused")
+    unfold(pair, "what-if-p")
+    pair.wait_for_selector(".pair .lines svg .band")
+    cut = pair.evaluate(
         """() => [...document.querySelectorAll('.pair .what-if-p .lines text')].filter((text) => {
           const [own, all] = [text, text.ownerSVGElement].map((e) => e.getBoundingClientRect());
           return own.left < all.left - 1 || own.right > all.right + 1;
         }).map((text) => text.textContent)"""
     )
     assert cut == []
-
-
-def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page):
-    page = open_page(PAIR, ANSWERED)
-    settle(page)
-    prediction = said(page, "fused")
-    page.click(".pair .what-if-p summary")
-    page.wait_for_selector(".pair .lines svg .band")
-    before = page.inner_text(".pair .at-p")
-    page.focus(".pair .order")
-    for _ in range(10):
-        page.keyboard.press("ArrowLeft")
-    page.wait_for_function(
+    before = pair.inner_text(".pair .at-p")
+    pair.focus(".pair .order")
+    pair.keyboard.press("ArrowLeft")
+    pair.wait_for_function(
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
-    assert said(page, "fused") == prediction
-    assert "chance" in page.inner_text(".pair .about-p")
+    assert said(pair, "fused") == prediction
+    assert "chance" in pair.inner_text(".pair .about-p")
 
 
-def test_a_csv_of_one_file_twice_pairs_nothing_and_in_its_folder_two_pictures_of_one_name(
-    open_page, tmp_path
-):
-    for seed, folder in enumerate(("visual", "tactile")):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "1.png").write_bytes(texture(seed)["buffer"])
-    table = tmp_path / "pairs.csv"
-    table.write_text("vis,tac\nvisual/1.png,tactile/1.png\n")
-    page = open_page("?view=pair", ANSWERED)
-    files = [tmp_path / "visual" / "1.png", table]
-    page.set_input_files(".pair .pairs label:has-text('Files') input", files)
-    page.wait_for_selector(".pair .many:has-text('would be one file')")
-    assert not page.locator(".pair .many .link").count()
-    page.set_input_files(FOLDER, tmp_path)
-    page.wait_for_selector(".pair .many .link")
-    settle(page)  # the first pair is open
-    shown = [page.get_attribute(f"{SLOT.format(m)} .picture img", "src") for m in ("vis", "tac")]
-    assert shown[0] != shown[1]
-
-
-def test_own_pairs_are_counted_taught_and_saved(open_page):
-    page = open_page("?view=pair", ANSWERED)
+def test_own_pairs_are_guesses_at_first_then_counted_taught_explained_saved_and_forgotten(pair):
     for seed, label in ((20, "wood"), (21, "wood"), (22, "cork"), (23, "cork")):
-        send(page, "vis", seed)
-        send(page, "tac", seed + 10)
-        own = page.locator(f".pair .labels button[data-label='{label}']")
+        for modality, of in (("vis", seed), ("tac", seed + 10)):
+            send(pair, modality, of)
+        for reading in ("fused", "vis", "tac"):
+            assert "This is a guess" in said(pair, reading)
+            assert "%" not in said(pair, reading)
+        own = pair.locator(f".pair .labels button[data-label='{label}']")
         if own.count():
             own.click()
         else:
-            page.fill(".pair .labels input", label)
-            page.keyboard.press("Enter")
-        page.wait_for_selector(f".pair .chips li:has-text('{seed}.png')")
-    assert "of 4" in page.inner_text(".pair .tally")
-    page.click(".pair .own [data-send=teach]")
-    page.wait_for_selector(".pair .taught table")
-    report = page.inner_text(".pair .taught p")
+            pair.fill(".pair .labels input", label)
+            pair.keyboard.press("Enter")
+        pair.wait_for_selector(f".pair .chips li:has-text('{seed}.png')")
+    assert pair.locator(".pair .nearest button").count() == 6
+    assert "of 4" in pair.inner_text(".pair .tally")
+    pair.click(".pair .own [data-send=teach]")
+    pair.wait_for_selector(".pair .taught table")
+    report = pair.inner_text(".pair .taught p")
     assert re.search(r"Correct before teaching: \d of 4\. After teaching: \d of 4\.", report)
-    page.wait_for_selector(".pair .taught-now")
-    page.wait_for_selector(ANSWERED)
-    assert page.locator(".pair .bars th:has-text('cork')").count() == 1
+    pair.wait_for_selector(".pair .taught-now")
+    assert pair.locator(".pair .bars th:has-text('cork')").count() == 1
+    slot = SLOT.format("vis")
+    pair.click(f"{slot} .where")
+    pair.wait_for_selector(f"{slot} .what .tag:has-text('taught')")
+    what = pair.inner_text(f"{slot} .what")
+    headline = pair.inner_text(".pair .reading[data-reading=fused] .said")
+    assert headline.split()[0].rstrip("?") in what
+    tinted = pair.locator(f"{slot} .picture canvas").count()
+    assert tinted == ("no single part matters" not in what)
     for button in ("[data-path='save/set']", "[data-path='save/head']", "[data-send=savePictures]"):
-        with page.expect_download() as saved:
-            page.click(f".pair {button}")
+        with pair.expect_download() as saved:
+            pair.click(f".pair {button}")
         assert saved.value.path().read_bytes()[:2] == b"PK"
+    pair.click(".pair [data-send=used]")  # the explanation of the taught head goes with it
+    pair.wait_for_selector(".pair .taught-now", state="detached")
+    assert "taught" not in pair.inner_text(f"{slot} .what")
+    for _ in range(4):
+        pair.click(".pair .chips .drop >> nth=0")
+    assert not pair.locator(".pair .tally").count()
 
 
-def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
-    page = open_page(PAIR, ANSWERED, permissions=["camera"])
-    page.evaluate("""() => {
+def test_a_second_click_while_the_camera_opens_leaves_it_off_and_without_one_live_says_why(pair):
+    unfold(pair, "cameras")
+    pair.evaluate("""() => {
           const open = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
           window.streams = [];
           navigator.mediaDevices.getUserMedia = async (what) => {
@@ -137,65 +146,74 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
           start.click();
           start.click();
         }""")
-    page.wait_for_function("window.streams.length === 1")
-    page.wait_for_function(
+    pair.wait_for_function("window.streams.length === 1")
+    pair.wait_for_function(
         "window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))"
     )
-    assert (
-        page.get_attribute(".pair .cameras [data-send=camerasSwitched]", "aria-pressed") == "false"
-    )
-    page.wait_for_selector(ANSWERED)
-
-
-def test_live_without_a_camera_says_why_and_gives_the_pair_back(open_page):
-    page = open_page(PAIR, ANSWERED)
-    page.evaluate("""() => {
+    off = ".pair .cameras [data-send=camerasSwitched][aria-pressed=false]"
+    pair.wait_for_selector(off)
+    pair.evaluate("""() => {
           navigator.mediaDevices.getUserMedia = async () => { throw new Error("denied"); };
         }""")
-    page.click(".pair .cameras > summary")
-    page.click(".pair .cameras [data-send=camerasSwitched]")
-    page.wait_for_selector(".pair .problem:has-text('camera')")
-    page.wait_for_selector(".pair .cameras [data-send=camerasSwitched][aria-pressed=false]")
+    pair.click(off)
+    pair.wait_for_selector(".pair .problem:has-text('camera')")
+    pair.wait_for_selector(off)
+    pair.wait_for_selector(ANSWERED)
+    pair.evaluate("delete navigator.mediaDevices.getUserMedia")
+
+
+# requests of Live wait, so that its frames leave the processor to what is looked at
+CALM = """const fetched = window.fetch;
+window.fetch = async (to, ...more) => {
+  if (`${to}`.includes("omnivat/live")) await new Promise((done) => setTimeout(done, 300));
+  return fetched(to, ...more);
+};"""
+
+
+FEED = ".pair .feed[data-modality={}] "
+
+
+@pytest.fixture(scope="module")
+def filmed(desktop, address):
+    """Return a page that has two cameras."""
+    page = watched(desktop.new_page(), address, problems := [])
+    page.add_init_script(f"{{{CAMERAS}{CALM}}}")
+    page.goto(address + PAIR)
     page.wait_for_selector(ANSWERED)
+    page.held = True  # Live always has a frame on its way
+    page.click(".pair .cameras > summary")
+    yield page
+    page.close()
+    assert problems == []
 
 
 @pytest.fixture
-def live(open_page, sensor, presses):
-    """Return an opener of Live: two cameras see a real sensor at rest, and Live is started. It is
-    stopped afterwards.
+def live(filmed, sensor, presses):
+    """Return an opener of Live: two cameras, or that of the touch alone, see a real sensor at rest,
+    and Live is started. It is stopped afterwards.
     """
-    pages = []
 
-    def opened(name="gelsight", **kept):
+    def opened(name="gelsight", photo="Webcam"):
         sensor.see(presses(name)[0])
-        page = open_page(PAIR, permissions=["camera"])
-        page.add_init_script(f"{{{CAMERAS}}}")
-        for modality, wanted in kept.items():
-            page.add_init_script(
-                f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'"
-            )
-        page.goto(page.url)
-        page.wait_for_selector(ANSWERED)
-        page.held = True  # Live always has a frame on its way
-        page.click(".pair .cameras > summary")
-        page.click(".pair .cameras [data-send=camerasSwitched]")
-        page.wait_for_selector(".pair .verdict .tag:has-text('live')")
-        page.wait_for_selector(".pair .verdict .reading[data-reading=tac]")  # no rest picture yet
-        pages.append(page)
-        return page
+        filmed.click(".pair .cameras [data-send=camerasSwitched]")
+        filmed.wait_for_selector(".pair .verdict .tag:has-text('live')")
+        filmed.select_option(FEED.format("vis") + ".device", label=photo)
+        crop = FEED.format("tac") + ".crop"  # another name of the whole picture drops an old rest
+        filmed.select_option(crop, "" if filmed.input_value(crop) else "4:3")
+        filmed.wait_for_selector(TOUCHED)
+        return filmed
 
     yield opened
-    for page in pages:
-        page.evaluate("document.querySelector('.cameras [aria-pressed=true].main')?.click()")
+    filmed.evaluate("document.querySelector('.cameras [aria-pressed=true].main')?.click()")
 
 
 def take_rest(page):
     """Take the rest picture."""
     page.click(".pair .cameras [data-what=rest]")
-    page.wait_for_selector(".pair .feed[data-modality=tac] .state:has-text('mean of 10 frames')")
+    page.wait_for_selector(STATE.format("mean of 10 frames"))
 
 
-STATE = ".pair .feed[data-modality=tac] .state:has-text('{}')"
+STATE = FEED.format("tac") + ".state:has-text('{}')"
 TOUCHED = ".pair .verdict .reading[data-reading=tac]"
 SIDE_BY_SIDE = """() => ['.feed', '.verdict']
   .map((name) => document.querySelector(`.pair ${name}`).getBoundingClientRect())
@@ -203,12 +221,9 @@ SIDE_BY_SIDE = """() => ['.feed', '.verdict']
 IDLE = ".pair .verdict:has-text('No contact')"
 
 
-@pytest.mark.parametrize("name", ["gelsight", "gelsight_mini"])
-def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
-    live, sensor, presses, name
-):
-    calm, pressed = presses(name)
-    page = live(name)
+def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(live, sensor, presses):
+    calm, pressed = presses("gelsight_mini")
+    page = live("gelsight_mini")
     assert page.evaluate(SIDE_BY_SIDE)
     names = page.locator(".pair .feed .device option:checked").all_inner_texts()
     assert names == ["Webcam", "Sensor"]
@@ -216,7 +231,7 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
     take_rest(page)
     page.wait_for_selector(IDLE)
     assert page.locator(TOUCHED).count() == 0
-    for k in (0, len(pressed) // 2, len(pressed) - 1):
+    for k in (0, len(pressed) - 1):
         sensor.see(pressed[k], page=page)
         page.wait_for_selector(TOUCHED)
         assert page.locator(".pair .verdict .reading").count() == 3
@@ -224,14 +239,21 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
         page.wait_for_selector(IDLE)
 
 
-def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sensor, presses):
+def test_no_rest_picture_is_made_of_a_touched_sensor_and_another_crop_drops_it(
+    live, sensor, presses
+):
     calm, pressed = presses("gelsight")
-    page = live(vis={"device": "none"})
+    page = live(photo="none")
     sensor.see(calm, calm, pressed[0], page=page)
     page.click(".pair .cameras [data-what=rest]")
     page.wait_for_selector(STATE.format("without touching"))
     page.wait_for_selector(TOUCHED)
     sensor.see(calm, page=page)
+    take_rest(page)
+    page.wait_for_selector(IDLE)
+    page.select_option(FEED.format("tac") + ".crop", "border")
+    page.wait_for_selector(STATE.format("was dropped"))
+    page.wait_for_selector(TOUCHED)
     take_rest(page)
     page.wait_for_selector(IDLE)
 
@@ -247,23 +269,19 @@ def shown(body, pictures):
     return int(np.argmin(apart))
 
 
-def pictured(request):
-    """Return the question of a request, and the picture after it."""
-    size = int(parse_qs(urlsplit(request.url).query)["sizes"][0].split(",")[0])
-    body = request.post_data_buffer
-    return json.loads(body[:size]), body[size:]
-
-
-def test_a_slow_server_gets_the_newest_frame_and_none_in_between(live, sensor, presses):
+def test_a_slow_server_gets_the_newest_frame_and_an_unplugged_camera_ends_live_in_a_sentence(
+    live, sensor, presses
+):
     pressed = presses("gelsight")[1]
     scenes = [presses("gelsight")[0], pressed[0], pressed[24], presses("gelsight_mini")[0]]
-    page = live(vis={"device": "none"})
+    page = live(photo="none")
     held = []
     sent = []
     waits = True
 
     def take(route):
-        sent.append(shown(pictured(route.request)[1], scenes))
+        size = int(parse_qs(urlsplit(route.request.url).query)["sizes"][0].split(",")[0])
+        sent.append(shown(route.request.post_data_buffer[size:], scenes))
         held.append(route) if waits else route.continue_()
 
     page.route("**/omnivat/live?*", take)
@@ -279,6 +297,16 @@ def test_a_slow_server_gets_the_newest_frame_and_none_in_between(live, sensor, p
         page.wait_for_timeout(20)
     page.unroute("**/omnivat/live?*")
     assert sent[2:4] == [3, 3]
+    page.evaluate(
+        """() => { for (const { srcObject } of window.videos)
+          srcObject?.getTracks().forEach((track) => {
+          track.stop();
+          track.dispatchEvent(new Event('ended'));
+        }); }"""
+    )
+    page.wait_for_selector(STATE.format("was disconnected"))
+    page.wait_for_selector(".pair .cameras .rate:has-text('no source is left')")
+    page.wait_for_selector(ANSWERED)
 
 
 AFTER_FRAMES = """() => new Promise((done) => {
@@ -345,136 +373,106 @@ def test_live_calibrates_and_records_a_data_set_that_import_reads(live, sensor, 
     page.wait_for_selector(ANSWERED)
 
 
-def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(live):
-    page = live(vis={"device": "none"})
-    take_rest(page)
-    page.wait_for_selector(IDLE)
-    page.select_option(".pair .feed[data-modality=tac] .crop", "border")
-    page.wait_for_selector(STATE.format("was dropped"))
-    page.wait_for_selector(TOUCHED)
-    assert "Take it again" in page.locator(STATE.format("was dropped")).inner_text()
-    take_rest(page)
-    page.wait_for_selector(IDLE)
-
-
-def test_an_unplugged_camera_ends_live_in_a_sentence(live):
-    page = live(vis={"device": "none"})
-    page.evaluate(
-        """() => { for (const { srcObject } of window.videos)
-          srcObject?.getTracks().forEach((track) => {
-          track.stop();
-          track.dispatchEvent(new Event('ended'));
-        }); }"""
-    )
-    page.wait_for_selector(STATE.format("was disconnected"))
-    page.wait_for_selector(".pair .cameras .rate:has-text('no source is left')")
-    page.wait_for_selector(ANSWERED)
-
-
 def named(name, seed):
     """Return a picture of noise as a file of this name."""
     return texture(seed) | {"name": name}
 
 
-def test_many_pairs_become_a_table_and_a_csv(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    files = [
-        named(f"{k}_{m}.png", 60 + k + 10 * i)
-        for k in range(3)
-        for i, m in enumerate(("vis", "tac"))
-    ]
+def test_many_pairs_become_a_table_that_names_what_it_cannot_take_and_teaches_nothing_yet(pair):
+    choose = ".pair .pairs input >> nth=0"
+    files = [named(f"{k}_{m}.png", 60 + k + 10 * i) for k in range(3) for i, m in enumerate(KINDS)]
     broken = {"name": "3_vis.png", "mimeType": "image/png", "buffer": b"no picture"}
-    page.set_input_files(".pair .pairs input >> nth=0", [*files, broken, named("alone.png", 1)])
-    page.wait_for_selector(".pair .many table")
-    assert page.locator(".pair .many tbody tr").count() == 4
-    assert "3 guesses" in page.inner_text(".pair .many h3")
-    assert "1 picture left out" in page.inner_text(".pair .many .hint")
-    assert "3_vis.png" in page.inner_text(".pair .many td.wrong")
-    with page.expect_download() as saved:
-        page.click(".pair .many [data-send=csv]")
+    lines = [f"{k}_vis.png,{k}_tac.png,{label}" for k, label in enumerate(("a", "b", 41 * "x", ""))]
+    table = "\n".join(["vis,tac,label", *lines]).encode()
+    table = {"name": "t.csv", "mimeType": "text/csv", "buffer": table}
+    pair.set_input_files(choose, [*files, broken, named("alone.png", 1), table])
+    pair.wait_for_selector(".pair .many table")
+    settle(pair)
+    assert pair.locator(".pair .many tbody tr").count() == 4
+    assert "2 guesses" in pair.inner_text(".pair .many h3")
+    assert "1 picture left out" in pair.inner_text(".pair .many .hint")
+    wrong = pair.locator(".pair .many td[colspan]").all_inner_texts()
+    assert "41 letters; at most 40" in wrong[0] and "3_vis.png" in wrong[1]
+    assert pair.is_disabled(".pair .many [data-send=rowsTaught]")
+    pair.fill(".pair .many input[name=value] >> nth=0", "b")
+    pair.keyboard.press("Tab")
+    pair.wait_for_selector(".pair .line:has-text('So far: b 2.')")
+    with pair.expect_download() as saved:
+        pair.click(".pair .many [data-send=csv]")
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()
     assert len(lines) == 5
-    page.click(".pair .many .link >> nth=1")
-    holds(page, "tac", "1_tac.png")
-    page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
+    pair.click(".pair .many .link >> nth=1")
+    holds(pair, "tac", "1_tac.png")
+    pair.wait_for_selector(f"{SLOT.format('tac')} .picture img")
 
 
-def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
-    page = open_page("?view=pair", ANSWERED, size=(1440, 900))
-    send(page, "tac", 70)
-    files = [named(f"{k}_tac.png", 71 + k) for k in range(6)]
-    broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
-    page.click(".pair .sensor summary")
-    page.set_input_files(".pair .sensor [data-side=now] input >> nth=0", [*files, broken])
-    page.wait_for_selector(".pair .sensor:has-text('touch 7')")  # which has no card
-    page.click(".pair .sensor [data-send=sampled]")
-    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
-    assert "1 picture was left out" in page.inner_text(".pair .sensor")
-    page.wait_for_selector(".pair .sensor table")
-    with page.expect_download() as saved:
-        page.click(".pair .sensor [data-send=saveProfile]")
-    assert saved.value.path().stat().st_size > 5000
-    page.reload()
-    page.wait_for_selector(".pair .profile-now:has-text('profile of 6 touches')")
-    page.click(".pair .sensor summary")
-    page.click(".pair .sensor [data-send=profileDropped]")
-    page.wait_for_selector(".pair .sensor:has-text('unlabelled pictures')")
+def test_pictures_whose_names_tell_nothing_are_asked_about_and_reading_them_can_be_cancelled(pair):
+    choose = ".pair .pairs input >> nth=0"
+    pair.set_input_files(choose, [named("7.png", 7), named("8.png", 8)])
+    pair.click(".pair .many [data-kind=tac]")
+    pair.wait_for_selector(".pair .many table")
+    assert pair.locator(".pair .many tbody tr").count() == 2
+    pair.route("**/omnivat/many?*", lambda route: None)  # the server never replies
+    pair.set_input_files(choose, [named("a_vis.png", 99)])
+    pair.wait_for_selector(".pair .many:has-text('1 of 1')")
+    pair.click(".pair .many [data-send=stopped]")
+    pair.wait_for_selector(".pair .many:has-text('Cancelled after 0 of 1 pairs')")
+    pair.unroute("**/omnivat/many?*")
 
 
-def test_a_mirrored_sensor_is_named_and_one_click_reads_its_touches_as_the_old_ones(
-    open_page, tmp_path
+def test_a_mirrored_sensor_is_named_and_mended_and_its_profile_gives_lamps_and_survives_a_reload(
+    pair, tmp_path
 ):
-    page = open_page("?view=pair", ANSWERED, size=(1280, 720), permissions=["camera"])
     scripts = "performance.getEntriesByType('resource').map(({ name }) => name).join()"
-    assert "pair/sensor.js" not in page.evaluate(scripts)  # it comes when the panel opens
+    assert "pair/sensor.js" not in pair.evaluate(scripts)  # it comes when the panel opens
+    touches = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))[:6]
     for name, mirror in (("new", True), ("old", False)):
         (tmp_path / name).mkdir()
-        for k, file in enumerate(sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))):
+        for k, file in enumerate(touches):
             with Image.open(file) as image:
                 picture = np.asarray(image)[:, ::-1] if mirror else np.asarray(image)
             Image.fromarray(np.ascontiguousarray(picture)).save(tmp_path / name / f"{k}.png")
-    page.focus(".pair .sensor summary")
-    page.keyboard.press("Enter")
+    pair.focus(".pair .sensor summary")
+    pair.keyboard.press("Enter")
     folder = ".pair .sensor [data-side={}] [webkitdirectory]"
-    page.set_input_files(folder.format("now"), tmp_path / "new")
-    page.wait_for_selector(".pair .sensor .rose")
-    assert "red from" in page.get_attribute(".pair .sensor .rose", "aria-label")
-    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('.png')")  # the first one opens
-    settle(page)
-    page.set_input_files(folder.format("before"), tmp_path / "old")
-    page.wait_for_selector(".pair .sensor .changes b:has-text('Mirrored')")
-    assert page.locator(".pair .sensor .changes li").count() == 1
-    assert page.locator(".pair .sensor .drawn").count() == 2
-    page.focus(".pair .sensor .changes button")
-    page.keyboard.press("Enter")
-    page.wait_for_selector(".pair .sensor table:has-text('mended') tbody tr")
-    assert page.get_attribute(".pair .sensor .changes button", "aria-pressed") == "true"
-    assert "mirrored from left to right" in page.inner_text(".pair .profile-now")
-    page.evaluate("localStorage['omnivat-live-vis'] = JSON.stringify({ device: 'none' })")
-    page.reload()  # after which touches are read so, too, and those of Live
-    page.wait_for_selector(".pair .profile-now:has-text('mirrored from left to right')")
-    page.wait_for_selector(ANSWERED)
-    page.held = True
-    page.click(".pair .cameras > summary")
-    mends = []
+    pair.set_input_files(folder.format("now"), tmp_path / "new")
+    pair.wait_for_selector(".pair .sensor .rose")
+    assert "red from" in pair.get_attribute(".pair .sensor .rose", "aria-label")
+    pair.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('.png')")  # the first one opens
+    settle(pair)
+    pair.set_input_files(folder.format("before"), tmp_path / "old")
+    pair.wait_for_selector(".pair .sensor .changes b:has-text('Mirrored')")
+    assert pair.locator(".pair .sensor .changes li").count() == 1
+    assert pair.locator(".pair .sensor .drawn").count() == 2
+    pair.focus(".pair .sensor .changes button")
+    pair.keyboard.press("Enter")
+    pair.wait_for_selector(".pair .sensor table:has-text('mended') tbody tr")
+    assert pair.get_attribute(".pair .sensor .changes button", "aria-pressed") == "true"
+    assert "mirrored from left to right" in pair.inner_text(".pair .profile-now")
+    files = [*(tmp_path / "new").iterdir()]
+    broken = tmp_path / "broken.png"
+    broken.write_bytes(b"no picture")
+    pair.set_input_files(".pair .sensor [data-side=now] input >> nth=0", [*files, broken])
+    pair.wait_for_selector(".pair .sensor:has-text('touch 7')")  # which has no card
+    pair.click(".pair .sensor [data-send=sampled]")
+    pair.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
+    assert "1 picture was left out" in pair.inner_text(".pair .sensor")
+    with pair.expect_download() as saved:
+        pair.click(".pair .sensor [data-send=saveProfile]")
+    assert saved.value.path().stat().st_size > 5000
+    pair.reload()  # after which touches are read so, too
+    pair.wait_for_selector(".pair .profile-now:has-text('mirrored from left to right')")
+    pair.wait_for_selector(".pair .profile-now:has-text('profile of 6 touches')")
+    send(pair, "tac", 1)
+    unfold(pair, "relief")
+    known = "lamps in the profile of your sensor, which 6 touches gave"
+    pair.wait_for_selector(f".pair .relief .hint:has-text('{known}')")
+    pair.click(".pair .profile-now [data-send=profileDropped]")
+    pair.click(".pair .profile-now [data-send=mended]")
+    pair.wait_for_selector(".pair .profile-now", state="hidden")
 
-    def noted(route):
-        mends.append(pictured(route.request)[0].get("mend"))
-        route.continue_()
 
-    page.route("**/omnivat/live?*", noted)
-    page.click(".pair .cameras [data-send=camerasSwitched]")
-    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
-    assert set(mends) == {"left-right"}
-    page.click(".pair .profile-now button")
-    page.wait_for_selector(".pair .profile-now", state="hidden")
-    while mends[-1] is not None:
-        page.wait_for_timeout(20)
-    page.unroute("**/omnivat/live?*")
-    page.click(".pair .cameras [data-send=camerasSwitched]")
-
-
-def own_folder(to, domains):
+def own_folder(to, domains, name="{}_{}.jpg"):
     """Write example pairs of two classes as a folder without classes; return their labels by
     number.
     """
@@ -482,8 +480,8 @@ def own_folder(to, domains):
     for domain in domains:
         for label in ("wood", "glass"):
             for photo in sorted((EXAMPLES / "pairs" / f"{domain}-sim" / label).glob("*_vis.*"))[:2]:
-                for kind in ("vis", "tac"):
-                    file = to / f"{len(labels)}_{kind}.jpg"
+                for kind in KINDS:
+                    file = to / name.format(len(labels), kind)
                     file.parent.mkdir(parents=True, exist_ok=True)
                     copyfile(photo.with_name(photo.name.replace("_vis", f"_{kind}")), file)
                 labels.append(label)
@@ -491,118 +489,52 @@ def own_folder(to, domains):
 
 
 def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_taught_head(
-    open_page, tmp_path
+    pair, tmp_path
 ):
     labels = own_folder(tmp_path / "first", ("TQ-DIGIT", "OF Real"))
-    own_folder(tmp_path / "next", ("TQ-GelMini",))
-    page = open_page("?view=pair", ANSWERED)
-    line = page.locator(".pair .line")
+    own_folder(tmp_path / "next", ("TQ-GelMini",), "{1}/{0}.jpg")
+    line = pair.locator(".pair .line")
     assert "Drop photos" in line.inner_text()
-    page.set_input_files(FOLDER, tmp_path / "first")
-    page.wait_for_selector(".pair .many table")
-    settle(page)
+    pair.set_input_files(FOLDER, tmp_path / "first")
+    pair.wait_for_selector(".pair .many table")
+    settle(pair)
     assert "a profile of 20 unlabelled pictures raises accuracy" in line.inner_text()
     assert (
-        page.locator(".pair .own:has-text('What is the true class?')").count() == 1
+        pair.locator(".pair .own:has-text('What is the true class?')").count() == 1
     )  # the first opens
-    before = page.inner_text(".pair .many tbody")
-    names = page.locator(".pair .many .link").all_inner_texts()
+    before = pair.inner_text(".pair .many tbody")
+    names = pair.locator(".pair .many .link").all_inner_texts()
     for row, name in enumerate(names):
-        page.fill(f".pair .many [data-label='{row}']", labels[int(name.split("/")[-1])])
-        page.keyboard.press("Tab")
+        pair.fill(f".pair .many [data-label='{row}']", labels[int(name.split("/")[-1])])
+        pair.keyboard.press("Tab")
     assert f"Teach the head your {len(labels)} pairs" in line.inner_text()
-    page.click(".pair .many [data-send=rowsTaught]")
-    page.wait_for_selector(".pair .taught table")
-    settle(page)
+    pair.click(".pair .many [data-send=rowsTaught]")
+    pair.wait_for_selector(".pair .taught table")
+    settle(pair)
     assert "each pair predicted without its own label" in line.inner_text()
-    assert page.inner_text(".pair .many tbody") != before
-    assert "objects a class" in page.inner_text(".pair .labels-bring p")
-    assert page.locator(".pair .labels-bring .mean").count() == 1
-    assert page.locator(".pair .many small:has-text('used for teaching')").count() == len(labels)
-    page.set_input_files(FOLDER, tmp_path / "next")
-    page.wait_for_selector(".pair .many:has-text('4 pairs:'):has-text('those that you labelled')")
-    page.click(".pair .many .link >> nth=0")
-    page.wait_for_selector(".pair .familiar:has-text('your labelled photos')")
+    assert pair.inner_text(".pair .many tbody") != before
+    assert "objects a class" in pair.inner_text(".pair .labels-bring p")
+    assert pair.locator(".pair .labels-bring .mean").count() == 1
+    assert pair.locator(".pair .many small:has-text('used for teaching')").count() == len(labels)
+    pair.set_input_files(FOLDER, tmp_path / "next")
+    pair.wait_for_selector(".pair .many:has-text('4 pairs:'):has-text('those that you labelled')")
+    pair.click(".pair .many .link >> nth=0")
+    pair.wait_for_selector(".pair .familiar:has-text('your labelled photos')")
 
 
 def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_away_where_it_acts(
-    open_page, tmp_path
+    pair, tmp_path
 ):
-    own_folder(tmp_path / "own", ("TQ-DIGIT", "OF Real"))
+    own_folder(tmp_path / "own", ("TQ-DIGIT",))
     photos = tmp_path / "photos"
     photos.mkdir()
     for file in (tmp_path / "own").glob("*_vis.jpg"):
         copyfile(file, photos / file.name.replace("_vis", ""))
-    page = open_page("?view=pair", ANSWERED, size=(1440, 900))
-    page.click(".pair .sensor summary")
-    page.set_input_files(".pair .sensor [data-side=now] [webkitdirectory]", photos)
-    page.click(".pair .sensor [data-send=sampled]")
-    page.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
-    page.click(".pair .sensor [data-kind=vis]")
-    page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")
-    page.click(".pair .profile-now button")
-    page.wait_for_selector(".pair .profile-now", state="hidden")
-
-
-def test_pictures_whose_names_tell_nothing_are_asked_about(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    page.set_input_files(".pair .pairs input >> nth=0", [named("7.png", 7), named("8.png", 8)])
-    page.click(".pair .many [data-kind=tac]")
-    page.wait_for_selector(".pair .many table")
-    assert page.locator(".pair .many tbody tr").count() == 2
-
-
-def test_reading_many_pairs_can_be_cancelled(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    page.route("**/omnivat/many?*", lambda route: None)  # the server never replies
-    page.set_input_files(
-        ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
-    )
-    page.wait_for_selector(".pair .many [data-send=stopped]")
-    page.wait_for_selector(".pair .many:has-text('2 of 2')")
-    page.click(".pair .many [data-send=stopped]")
-    page.wait_for_selector(".pair .many:has-text('Cancelled after 0 of 2 pairs')")
-    page.unroute("**/omnivat/many?*")
-
-
-def test_a_photo_is_shown_whole(open_page):
-    page = open_page("?view=pair", ANSWERED)
-    fits = page.evaluate(
-        "[...document.querySelectorAll('.pair .picture img')].map((e) =>"
-        " getComputedStyle(e).objectFit)"
-    )
-    assert fits == ["contain", "contain"]
-
-
-def test_the_relief_of_a_touch_turns_and_is_saved_and_own_touches_or_a_profile_give_its_lamps(
-    open_page, tmp_path
-):
-    page = open_page("?view=pair", ANSWERED)
-    page.locator(".pair .gallery button").first.click()
-    page.wait_for_selector(f"{SLOT.format('tac')} .picture img[src*=example]")
-    assert not page.locator(".pair .relief .js-plotly-plot").count()  # nothing is loaded before
-    page.click(".pair .relief summary")
-    page.wait_for_selector(".pair .relief [data-as=ply]")
-    eye = "() => document.querySelector('.relief .js-plotly-plot')._fullLayout.scene.camera.eye.x"
-    before = page.evaluate(eye)
-    page.focus(".pair .relief .surface")
-    page.keyboard.press("ArrowRight")
-    page.wait_for_function(f"before => ({eye})() !== before", arg=before)
-    for kind, first in (("png", b"\x89PNG"), ("npy", b"\x93NUMPY"), ("ply", b"ply\n")):
-        with page.expect_download() as saved:
-            page.click(f".pair .relief [data-as={kind}]")
-        with open(saved.value.path(), "rb") as file:
-            assert file.read(len(first)) == first
-    send(page, "tac", 1)
-    page.wait_for_selector(".pair .relief .hint:has-text('4 more pictures of your sensor')")
-    files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))[:5]
-    lit = lamps(np.asarray(Image.open(file).convert("RGB")) for file in files)
-    mine = replace(load_head(default_head()).source_profile, lamps=lit)
-    save_profile(tmp_path / "mine.safetensors", mine)
-    page.click(".pair .sensor summary")
-    page.set_input_files(
-        ".pair .sensor label:has-text('Load profile') input", tmp_path / "mine.safetensors"
-    )
-    known = "lamps in the profile of your sensor, which 5 touches gave"
-    page.wait_for_selector(f".pair .relief .hint:has-text('{known}')")
-    page.wait_for_selector(".pair .relief .js-plotly-plot")
+    unfold(pair, "sensor")
+    pair.set_input_files(".pair .sensor [data-side=now] [webkitdirectory]", photos)
+    pair.click(".pair .sensor [data-send=sampled]")
+    pair.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
+    pair.click(".pair .sensor [data-kind=vis]")
+    pair.wait_for_selector(".pair .profile-now:has-text('the profile of 4 photos')")
+    pair.click(".pair .profile-now button")
+    pair.wait_for_selector(".pair .profile-now", state="hidden")
