@@ -33,16 +33,14 @@ def go(page, query):
     settle(page)
 
 
-def train(page, epochs, *, lang=True):
-    """Open the advanced settings of Train here, and train a small head."""
+def plan(page, epochs):
+    """Set Train here to a small head that no text guides."""
     page.wait_for_selector("#view-train .go:enabled")
     page.click("#view-train .advanced > button")
     page.get_by_label("D, width").click()
     page.get_by_role("option", name="16", exact=True).click()
     page.fill("#train-epochs input", str(epochs))
-    if not lang:
-        page.uncheck("#train-lang input")
-    page.click("#view-train .go")
+    page.uncheck("#train-lang input")
 
 
 def texture(seed):
@@ -118,13 +116,15 @@ def p_shown(page):
     return page.inner_text(".explore .order-value")
 
 
-def faults(page, options=None):
-    """Return the axe audit's findings for the page as it is now."""
+def faults(page, options=None, of="html"):
+    """Return the axe audit's findings for a part of the page as it is now."""
     from axe_playwright_python.base import AXE_SCRIPT
 
     if not page.evaluate("'axe' in window"):
         page.evaluate(AXE_SCRIPT)
-    found = page.evaluate("options => axe.run(document, options)", options or {})
+    found = page.evaluate(
+        "([of, options]) => axe.run(document.querySelector(of), options)", [of, options or {}]
+    )
     return [
         f"{fault['id']}: {fault['help']}: {node['target']}"
         for fault in found["violations"]

@@ -6,7 +6,7 @@ import pytest
 
 from omnivat.data.store import save_embeddings
 
-from .gestures import MAP, faults, open_tab, train
+from .gestures import MAP, faults, open_tab, plan
 
 pytestmark = pytest.mark.browser
 
@@ -78,14 +78,15 @@ def test_a_set_without_a_head_has_maps_gaps_neighbours_and_a_head_is_trained_use
     open_tab(page, "train")
     page.wait_for_selector("#view-train .status:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text("#view-train .task")
-    train(page, 7.5, lang=False)
+    plan(page, 7.5)
+    page.click("#view-train .go")
     page.wait_for_selector("#view-train .problem:has-text('epochs is 7.5; give a whole number')")
     page.fill("#train-epochs input", "5")
     page.click("#view-train .go")
     page.wait_for_selector("#view-train .status:has-text('Done: 5 epochs')")
     page.wait_for_selector("#train-map .js-plotly-plot")
     page.wait_for_selector("#view-train .earlier td")
-    assert faults(page) == []
+    assert faults(page, of="#view-train") == []
     titles = page.locator("#train-charts .annotation-text .line:first-child").all_text_contents()
     # no empty chart of accuracy away from home
     assert titles == ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]

@@ -23,7 +23,9 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited):
         audited.wait_for_selector(READY[view])
         assert faults(audited) == [], view
     audited.evaluate("document.querySelector('#view-train .task').style.color = '#ccd'")
-    assert any("contrast" in fault for fault in faults(audited, COLOURS))  # the audit can see
+    assert any(
+        "contrast" in fault for fault in faults(audited, COLOURS, "#view-train")
+    )  # the audit can see
     audited.evaluate("document.querySelector('#view-train .task').style.color = ''")
 
 
