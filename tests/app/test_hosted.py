@@ -7,14 +7,16 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
-from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
 import pytest
 
 from app.serving.preflight import keeps_nothing, parser
 from app.train.plan import NUMBERS
+
+from .conftest import until
 
 ROOT = Path(__file__).resolve().parents[2]
 SPACE = {
@@ -109,20 +111,11 @@ class Demo:
         with urlopen(request, timeout=120) as answer:
             return bytes(answer.read())
 
-    def until_up(self):
-        """Return the page once the server is ready."""
-        until = time.monotonic() + 300
-        while time.monotonic() < until:
-            try:
-                return self.ask("")
-            except HTTPError:
-                raise
-            except OSError:
-                if self.process.poll() is not None:
-                    break
-                time.sleep(0.1)
-        self.log.seek(0)
-        raise AssertionError(self.log.read())
+    def page(self):
+        """Return the page; None until the server is ready."""
+        assert self.process.poll() is None, Path(self.log.name).read_text(encoding="utf-8")
+        with suppress(OSError):
+            return self.ask("")
 
     def peak_bytes(self):
         """Return the peak memory of the process."""
@@ -161,7 +154,7 @@ def event(demo, number, *values):
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
 def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gigabyte(demo, png):
-    assert b"OmniVaT" in demo.until_up()
+    assert b"OmniVaT" in until(demo.page)
     sent = json.loads(demo.ask("omnivat/image?name=a.png", png()))
     for path, question in (
         ("omnivat/pair", {"vis": sent["ref"], "tac": None}),
@@ -174,12 +167,13 @@ def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gi
     _, begin, look, *_ = (one["id"] for one in json.loads(demo.ask("config"))["dependencies"])
     seen = event(demo, begin, None, 1280, "domain", *settings.values(), *numbers.values(), False)
     (kept,) = (one for one in seen if isinstance(one, dict) and "runs" in one)
-    for _ in range(3000):
-        seen = json.dumps(event(demo, look, kept, 1280, "domain"))
-        if any(word in seen for word in ("Done", "Cancelled", "problem")):
-            break
+
+    def ended():
         time.sleep(0.2)
-    assert "Done: 5 epochs." in seen
+        seen = json.dumps(event(demo, look, kept, 1280, "domain"))
+        return any(word in seen for word in ("Done", "Cancelled", "problem")) and seen
+
+    assert "Done: 5 epochs." in until(ended)
     assert demo.peak_bytes() < 1_000_000_000
     demo.stop()
     assert demo.outside() == []
