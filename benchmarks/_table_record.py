@@ -44,6 +44,8 @@ class Record:
         self.domain = np.array(first["domain"])
         self.truth = letters(first["truth"])
         self.alike = np.array([one == "1" for one in first["look_alike"]])
+        homes = (self.truth[self.domain == k] for k in range(len(self.domains)))
+        self.learned = [np.isin(self.truth, home) for home in homes]  # the classes of a source
         self.cells = cache(self._cells)
 
     def _cells(self, rung: str, *, alike: bool = False) -> Cells:
@@ -51,7 +53,7 @@ class Record:
         found: Runs = defaultdict(dict)
         for run in (one for one in self.runs if rung in one["answers"]):
             source = self.domains.index(run["source"])
-            known = np.isin(self.truth, self.truth[self.domain == source])
+            known = self.learned[source]
             counted = known & self.alike if alike else known
             right = np.where(counted, marks(run["answers"][rung], self.truth), np.nan)
             for target in range(len(self.domains)):

@@ -102,26 +102,34 @@ def runs_of(record: str) -> list[Any]:
     return [first, *sorted(runs, key=lambda run: run["seed"])]
 
 
+def letters(text: str) -> Any:
+    """Return the letters of a text as numbers."""
+    return np.frombuffer(text.encode(), np.uint8)
+
+
 @cache
 def cells_of(wanted: str, *, alike: bool = False, record: str = "ladder") -> dict[str, Cells]:
     """Return method -> source -> target -> accuracy of each seed on a rung; `alike`: of the pairs
     that look like another class.
     """
     first, *runs = runs_of(record)
-    truth, looks = (np.array([*first[key]]) for key in ("truth", "look_alike"))
+    truth, looks = (letters(first[key]) for key in ("truth", "look_alike"))
     place = np.array(first["domain"])
+    there = [place == k for k in range(len(first["domains"]))]
+    learned = [np.isin(truth, truth[own]) for own in there]  # the classes of a source
     found: Any = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for run in runs:
         if wanted not in run["answers"]:
             continue
-        said, home = np.array([*run["answers"][wanted]]), first["domains"].index(run["source"])
-        counted = (said != ".") & np.isin(truth, truth[place == home])
+        said, home = letters(run["answers"][wanted]), first["domains"].index(run["source"])
+        counted = (said != ord(".")) & learned[home]
         if alike:
-            counted &= looks == "1"
-        counted &= (place == home) == (wanted == "home")
-        for target in np.unique(place[counted]):
-            right = (said == truth)[counted & (place == target)]
-            found[run["method"]][run["source"]][target].append(100 * float(right.mean()))
+            counted &= looks == ord("1")
+        counted &= there[home] == (wanted == "home")
+        for target, own in enumerate(there):
+            right = (said == truth)[counted & own]
+            if len(right):
+                found[run["method"]][run["source"]][target].append(100 * float(right.mean()))
     return dict(found)
 
 

@@ -111,13 +111,21 @@ def test_a_head_of_colours_and_relief_reads_both_side_by_side_in_a_command_and_o
 
 
 def test_lamps_of_a_profile_are_taken_for_its_domain(work, run):
-    run("profile", work / "pairs" / GELS[0], "--out", work / "digit.safetensors", "--domain", "few")
-    base = "embed", work / "pairs", "--touch", "relief", "--out", work / "known.safetensors"
+    run(
+        "profile",
+        work / "pairs" / GELS[0],
+        "--out",
+        work / "digit.safetensors",
+        "--domain",
+        "glass",
+    )
+    few = work / "pairs" / "few"
+    base = "embed", few, "--touch", "relief", "--out", work / "known.safetensors"
     said = run(*base, "--no-flips", "--lamps", work / "digit.safetensors")
-    assert "few: touch is read as its relief, by lamps from 8 touches" in said.out
+    assert "glass: touch is read as its relief, by lamps from 8 touches" in said.out
     alone = run(*base[:-1], work / "alone.safetensors", "--no-flips", "--lamps", "alone")
     assert f"Touch is read as its relief, by {ALONE}." in alone.out
     assert load_embeddings(work / "alone.safetensors").header.lit_by == {}
-    run("profile", work / "pairs" / "few", "--out", work / "few.safetensors")
+    run("profile", few, "--out", work / "few.safetensors")
     said = run(*base, "--lamps", work / "few.safetensors", code=1)
     assert "few.safetensors' holds no lamps; make it again from five touches or more" in said.err

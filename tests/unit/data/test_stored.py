@@ -125,7 +125,6 @@ def test_files_of_pictures_in_hdf5_are_pictures_and_a_plain_row_of_bytes_is_none
         (np.full((16, 24, 3), 200.0, np.float32), 200),  # whole, so not of 0 to 1
         (np.full((16, 24), 1.0), 255),
         (np.linspace(0, 65535, 16 * 24 * 3).reshape(16, 24, 3).astype(np.uint16), 127),
-        (np.full((16, 24, 3), 30000, np.uint16), "16-bit colour, of which 8 bits keep 0 levels"),
         (np.full((16, 24, 3), 2.5), "or of floats from 0 to 1"),
     ],
 )

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from omnivat.head import linear_maps
+
 FOLDER = Path(__file__).resolve().parents[3] / "docs" / "notebooks"
 BOOKS = sorted(FOLDER.glob("*.ipynb"))
 
@@ -25,6 +27,7 @@ def test_a_notebook_runs_from_top_to_bottom(file, tmp_path, monkeypatch):
     nbformat = pytest.importorskip("nbformat")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 10)
     names, shown = {"__name__": "__main__"}, []
     for cell in nbformat.read(file, as_version=4).cells:
         if cell.cell_type != "code":
