@@ -12,6 +12,7 @@ from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip, load_live
 from omnivat.encoders.hub import remember
 from omnivat.kit.errors import DataError
+from omnivat.study.baselines import ldc, mmrl
 from omnivat.study.baselines.contract import Live, Source
 from omnivat.study.baselines.ldc import DeConfused, TokenLevels
 from omnivat.study.baselines.mmrl import SCALE, Representations
@@ -188,3 +189,25 @@ def test_a_live_clip_without_a_text_tower_is_refused(clips, tmp_path, monkeypatc
     remember(own, tmp_path / "RN.pt")
     with pytest.raises(DataError, match="an image tower and no text tower"):
         load_live("clip", own)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "steps"), [("mmrl", 10), ("ldc", 40)])
+def test_they_learn_a_source_the_same_each_time_and_predict_alike_alone(
+    method, steps, vit, monkeypatch
+):
+    module = {"mmrl": mmrl, "ldc": ldc}[method]
+    monkeypatch.setattr(module, "HOW", replace(module.HOW, epochs=steps))
+    monkeypatch.setattr(ldc, "LEAST", steps)
+    source, rows = source_of(vit), torch.arange(6)
+    before = torch.random.get_rng_state()
+    fitted, again = module.fit(source), module.fit(source)
+    assert torch.equal(torch.random.get_rng_state(), before)
+    given = source.live.images("vis", rows), source.live.images("tac", rows)
+    found = fitted.predict(*given)["fused"]
+    wood = found[:, 0][source.labels == 0].min(), found[:, 0][source.labels == 1].max()
+    assert fitted.images and wood[0] > wood[1] + 0.02
+    assert torch.equal(again.predict(*given)["fused"], found)
+    alone = fitted.predict(*(some[2:3] for some in given))["fused"]
+    torch.testing.assert_close(alone, found[2:3], atol=1e-5, rtol=1e-4)
+    torch.testing.assert_close(found.sum(1), torch.ones(6))

@@ -3,30 +3,23 @@
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
 import pytest
 import torch
-from PIL import Image
 
-from omnivat.encoders.clip import open_clip
-from omnivat.encoders.clip_live import LiveClip
 from omnivat.encoders.lang.clip_prompts import ClipPrompts
-from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, pixels
 from omnivat.head import linear_maps as maps
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
-from omnivat.study.baselines import BASELINES, LABELS, contrastive, ldc, mmrl, robust_vish, spg
-from omnivat.study.baselines.contract import Live, Source
+from omnivat.study.baselines import BASELINES, LABELS, contrastive, robust_vish, spg
+from omnivat.study.baselines.contract import Source
 from omnivat.study.baselines.contrastive import contrastive_loss, supcon_loss
 from omnivat.study.baselines.descent import rate
-from omnivat.study.baselines.mmrl import PROMPT
 from omnivat.study.baselines.text import SCALE, arcface, scaled_cosines
 from tests.builders import CLASSES
 
 BY_TEXT = ("zero_shot", "promptstyler", "spg")
-LIVE = ("mmrl", "ldc")
-OF_CLIP = (*BY_TEXT, *LIVE, "sitr_supcon")  # each trains, on a CLIP of its own
-QUICK = tuple(name for name in BASELINES if name not in (*OF_CLIP, "robust_vish"))
+OF_CLIP = (*BY_TEXT, "sitr_supcon")  # test_live has those that learn inside a CLIP
+QUICK = tuple(name for name in BASELINES if name not in (*OF_CLIP, "mmrl", "ldc", "robust_vish"))
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in OF_CLIP]
 ALL = [*QUICK, *SLOW]
 MATERIALS, WIDTH = ("wood", "steel", "glass"), 24
@@ -68,38 +61,8 @@ def tower(clips):
     return ClipPrompts(network, clips.tokenizer())
 
 
-@cache
-def painted(name, row, tint=0.6):
-    """A noisy image in the colours of its class, ten rows each, under a reddish light."""
-    random = np.random.default_rng([row, name == "vis"])
-    colours = (1 - tint) * np.roll((220, 120, 20), row // 10) + tint * np.array((200, 60, 60))
-    noisy = colours + random.normal(0, 25, (96, 96, 3))
-    return Image.fromarray(noisy.clip(0, 255).astype(np.uint8))
-
-
 @pytest.fixture(scope="module")
-def clip(clips, tmp_path_factory):
-    """A small CLIP ViT that has learned the classes in plain light, in OpenAI's layout."""
-    model = clips.small_model().train()
-    images = torch.stack(
-        [pixels(painted("seen", row, 0.0), CLIP_MEAN, CLIP_STD, 96) for row in range(30)]
-    )
-    prompts = [PROMPT.format(name) for name in MATERIALS]
-    texts = clips.tokenizer()(
-        prompts, padding=True, truncation=True, max_length=16, return_tensors="pt"
-    )
-    optimiser = torch.optim.AdamW(model.parameters(), lr=1e-3)
-    for _ in range(20):
-        logits = model(pixel_values=images, **texts).logits_per_image
-        optimiser.zero_grad()
-        torch.nn.functional.cross_entropy(logits, torch.arange(30) // 10).backward()
-        optimiser.step()
-    file = clips.write("OpenAI state dict", tmp_path_factory.mktemp("clip"), model.eval())
-    return LiveClip(open_clip("clip", file), torch.device("cpu"))
-
-
-@pytest.fixture(scope="module")
-def clip_source(tower, clip):
+def clip_source(tower):
     """Thirty pairs whose classes lie where the tower has their names."""
     random = torch.Generator().manual_seed(0)
     with torch.no_grad():
@@ -121,24 +84,13 @@ def clip_source(tower, clip):
         plain=plain,
         logit_scale=20.0,
         prompts=lambda: tower,
-        live=Live(read=painted, load=lambda: clip, rows=torch.arange(30)),
     )
-
-
-def inputs(fitted, source):
-    """Return what a method takes of a source's pairs: embeddings, or images."""
-    if not fitted.images:
-        return source.vis, source.tac
-    rows = torch.arange(len(source))
-    return source.live.images("vis", rows), source.live.images("tac", rows)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def short():
     """Fewer steps than published: enough for thirty pairs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=12))
-        patch.setattr(ldc, "LEAST", 130)
         patch.setattr(maps, "STEPS", 60)
         patch.setattr(robust_vish, "HOW", replace(robust_vish.HOW, epochs=1))
         for name in ("PROMPT_EPOCHS", "GAN_EPOCHS"):
@@ -154,7 +106,7 @@ def learned(request):
     def of(name):
         source = request.getfixturevalue("clip_source" if name in OF_CLIP else "source")
         fitted = fit(name, source)
-        return fitted, source, inputs(fitted, source)
+        return fitted, source, (source.vis, source.tac)
 
     return of
 
@@ -162,15 +114,12 @@ def learned(request):
 @pytest.fixture
 def brief(monkeypatch):
     """Hardly any step: what is learned does not matter."""
-    monkeypatch.setattr(ldc, "LEAST", 8)
-    monkeypatch.setattr(ldc, "HOW", replace(ldc.HOW, epochs=2))
-    monkeypatch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=2))
     monkeypatch.setattr(contrastive, "HOW", replace(contrastive.HOW, epochs=2))
     monkeypatch.setattr(maps, "STEPS", 9)
 
 
 def right(fitted, source):
-    answers = fitted.predict(*inputs(fitted, source))["fused"].argmax(-1)
+    answers = fitted.predict(source.vis, source.tac)["fused"].argmax(-1)
     return (answers == source.labels).double().mean().item()
 
 
@@ -203,7 +152,7 @@ def test_a_reading_of_one_modality_does_not_see_the_other_image(name, modality, 
 
 
 @pytest.mark.usefixtures("brief")
-@pytest.mark.parametrize("name", ["erm_mlp", "linear_maps", "promptstyler", "spg", "mmrl", "ldc"])
+@pytest.mark.parametrize("name", ["erm_mlp", "linear_maps", "promptstyler", "spg"])
 def test_the_same_seed_gives_the_same_answers_and_leaves_the_global_stream(name, learned):
     _, source, images = learned(name)
     before = torch.random.get_rng_state()
@@ -241,7 +190,9 @@ def test_a_source_with_nan_is_refused_before_anything_learns(source):
 def test_every_baseline_loads_and_those_of_others_say_exact_or_surrogate():
     assert set(LABELS) == set(BASELINES)
     assert all(callable(load(BASELINES, name, kind="baseline")) for name in BASELINES)
-    assert all(LABELS[name].note.startswith(("exact", "surrogate")) for name in OF_CLIP)
+    assert all(
+        LABELS[name].note.startswith(("exact", "surrogate")) for name in (*OF_CLIP, "mmrl", "ldc")
+    )
 
 
 # The mathematics
