@@ -73,27 +73,21 @@ def unseen(resources: Resources) -> Reply:
     return resources.results.once("unseen", made)
 
 
-def ladder(resources: Resources, question: Question) -> Reply:
-    """Return the ladder of a source domain, as `omnivat.measure.ladder` has it.
-
-    question  {"source": a domain, "" for the head's}
-    return    its rungs and sources, and "kept": true where they stand in the file next to the set
+def ladder(resources: Resources) -> Reply:
+    """Return the ladder of the head, as `omnivat.measure.ladder` has it: that in the file next to
+    the set, if it has every rung.
     """
-    embeddings = resources.embeddings()
-    source = one_of("source", question.get("source"), ("", *embeddings.header.domains))
 
     def climbed() -> Reply:
         from omnivat.measure.ladder import ladder
 
-        recorded = not source and not resources.drawn()
-        kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
-        if kept and {one["rung"] for one in kept["rungs"]} >= {
-            row["id"] for row in RUNGS if known_of(row)
-        }:
-            return {**kept, "kept": True}
-        return ladder(resources.head(), embeddings, source=source)
+        where, rungs = resources.where, {row["id"] for row in RUNGS if known_of(row)}
+        kept = None if resources.drawn() else kept_ladder(where.head, where.embeddings)
+        if kept and {one["rung"] for one in kept["rungs"]} >= rungs:
+            return kept
+        return ladder(resources.head(), resources.embeddings())
 
-    return resources.results.once(f"ladder {source}", climbed)
+    return resources.results.once("ladder", climbed)
 
 
 def known(resources: Resources, question: Question) -> Reply:

@@ -65,7 +65,6 @@ QUESTIONS: dict[str, Work] = {
     "tree": nodes.tree,
     "votes": nodes.votes,
     "neighbours": explore.neighbours,
-    "ladder": explore.ladder,
     "known": explore.known,
     "journey": journey,
     "predictions": predictors.predictions,
@@ -93,6 +92,7 @@ FACTS: dict[str, Work] = {  # questions without anything in them
     "pairs": explore.pairs,
     "toy": explore.mechanism,
     "unseen": explore.unseen,
+    "ladder": explore.ladder,
     "examples": pair.gallery,
 }
 # of those that come many a second, or take seconds

@@ -184,7 +184,6 @@ def replies(
     for path, question in (
         ("votes", {"head": ""}),
         *(("predictions", {"method": method}) for method in METHODS),
-        ("ladder", {"source": ""}),
         *(
             ("journey", {"vis": ref, "tac": ref, "head": ""})
             for ref in (f"example:{name}" for name in resources.example_rows())

@@ -35,7 +35,6 @@ REFUSED = [
     ("neighbours", {"point": 4, "stage": "nowhere"}, "stage is 'nowhere'; choose one of raw"),
     ("neighbours", {**RAW, "point": 4000}, "No point has the number 4000"),
     ("neighbours", {"stage": "raw"}, "No point has the number None"),
-    ("ladder", {"source": "nowhere"}, "source is 'nowhere'; choose one of TAG-sim"),
     ("predictions", {"method": ["nearest_mean"]}, "choose one of nearest_mean"),
     ("teach", {"lessons": "all"}, "has to be a list"),
     ("teach", {"lessons": [{"vis": "row:1", "label": ""}]}, "A label is ''"),

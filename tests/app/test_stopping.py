@@ -31,7 +31,7 @@ WORKING = {
     "tree": (PAIR, 1),
     "votes": ({}, 1),
     "neighbours": ({"stage": "f_hat", "point": 0}, 1),
-    "ladder": ({"source": ""}, 1),
+    "ladder": ({}, 1),
     "known": ({"known": "none"}, 1),
     "journey": (PAIR, 0),  # under a second for all stops
     "predictions": ({"method": "nearest_mean"}, 1),

@@ -5,7 +5,7 @@ import test from "node:test";
 const index = {
   files: {
     "sensors/frames?mode=every": "data/every.bin",
-    'sensors/ladder {"source":"OF 2.0 É"}': "data/ladder.json",
+    'sensors/predictions {"method":"É"}': "data/predictions.json",
     "chirps/example/A b/c%/vis": "data/picture.webp",
   },
   refused: { "chirps/toy": "The set has no map." },
@@ -30,8 +30,8 @@ test("a request about a set is a file, whatever the folder is called", async () 
   assert.equal(address("frames?set=sensors&mode=every"), "data/every.bin");
   assert.equal(address("frames?mode=every"), "data/every.bin");
   assert.equal(address("example/A%20b/c%25/vis?set=chirps"), "data/picture.webp");
-  await ask("ladder", { source: "OF 2.0 É" });
-  assert.deepEqual(fetched, ["data/ladder.json"]);
+  await ask("predictions", { method: "É" });
+  assert.deepEqual(fetched, ["data/predictions.json"]);
 });
 
 test("what needs a server, and what the server would refuse, is a sentence", async () => {

@@ -1,6 +1,6 @@
 /** Facts about the set and its heads; each is fetched once. */
 
-import { ask, inSet, json, once, Refusal } from "./api.js";
+import { inSet, json, once, Refusal } from "./api.js";
 import { classOf, fetchFrames } from "./frames.js";
 import { OWN_MODE } from "./tables.js";
 import { bytesOf } from "./text.js";
@@ -44,9 +44,8 @@ export const toyFacts = fact("toy");
 export const twins = fact("twins");
 /** Positions of the twins' touches: as they come, mean moved, mean and spread moved. */
 export const twinsMap = fact("twins/map");
-/** {rungs, sources}: what is known of a new sensor, and the accuracy that it brings. */
-export const ladder = (set = "", source = "") =>
-  once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
+/** What is known of a new sensor, and the accuracy that it brings. */
+export const ladder = fact("ladder");
 /** Modes of p and sets; only the head if the server lists none. @returns {Promise<Choices>} */
 export const choices = (set = "") =>
   once(`modes ${set}`, () => json(inSet("modes", set))).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false }));

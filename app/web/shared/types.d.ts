@@ -510,7 +510,7 @@ interface Replies {
   tree: Tree;
   votes: { votes: { class: string; share: number }[]; pairs: number };
   neighbours: { neighbours: { point: number; cosine: number }[] };
-  ladder: { rungs: Rung[]; sources: string[]; kept?: boolean };
+  ladder: { rungs: Rung[] };
   known: Known;
   journey: Journey;
   predictions: {
