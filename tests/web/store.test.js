@@ -3,7 +3,7 @@ import test from "node:test";
 import "./browser.js";
 
 globalThis.location = {
-  search: "?chapter=where&p=0.5014&view=elsewhere&stage=relu&pin=-3&class=a%2520b&nonsense=1",
+  search: "?chapter=where&p=0.5014&p2=x&view=elsewhere&stage=relu&colour=constructor&pin=-3&class=a%2520b&nonsense=1",
   href: "http://x/",
 };
 globalThis.history = { state: null, replaceState: () => {} };
@@ -14,6 +14,8 @@ test("an address gives what is known and leaves the rest out", () => {
   assert.equal(store.state.p, 0.5014);
   assert.equal(store.state.view, "explore");
   assert.equal(store.state.stage, "relu");
+  assert.equal(store.state.colour, "domain");
+  assert.equal(store.state.p2, null);
   assert.equal(store.state.pin, null);
   assert.equal(store.state.chapter, "where");
   assert.ok(!("nonsense" in store.state));
