@@ -114,3 +114,11 @@ def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
     assert {(pair.domain, pair.tac.is_file()) for pair in made.pairs} == {
         ("Bright DIGIT-sim", True)
     }
+
+
+def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts():
+    names = {}
+    exec(block("app/hello/tab.py"), names)
+    assert names["TITLE"] == "Hello"
+    assert "export async function start(element)" in block("app/web/hello/hello.js")
+    assert "<section" in block("app/web/hello/hello.html")
