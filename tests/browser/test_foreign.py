@@ -1,9 +1,8 @@
 """The page under its content policy, and a page of another site that tries to use the server."""
 
-import threading
-from http.server import BaseHTTPRequestHandler, HTTPServer
-
 import pytest
+
+from benchmarks.site import served
 
 from .conftest import Server
 
@@ -34,25 +33,12 @@ TRIES = """async (target) => {
 }"""
 
 
-class Foreign(BaseHTTPRequestHandler):
-    """A page of another site."""
-
-    def do_GET(self):
-        self.send_response(200)
-        self.send_header("Content-Type", "text/html")
-        self.end_headers()
-        self.wfile.write(b"<h1>another site</h1>")
-
-    def log_message(self, *_):
-        pass
-
-
 @pytest.fixture
-def foreign():
-    with HTTPServer(("127.0.0.1", 0), Foreign) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://localhost:{server.server_port}/"
-        server.shutdown()
+def foreign(tmp_path):
+    """Return the address of a page of another site."""
+    (tmp_path / "index.html").write_text("<h1>another site</h1>", encoding="utf-8")
+    with served(tmp_path) as address:
+        yield address
 
 
 def test_a_script_that_is_put_into_the_page_does_not_run(desktop, address):

@@ -65,11 +65,8 @@ def test_one_click_and_one_drag_move_points_both_gaps_the_pair_and_seven_stars(v
     assert float(page.get_attribute(".explore .map", "data-order")) == float(p_shown(page))
 
 
-def test_the_answer_has_the_range_of_both_gaps_and_follows_the_head(gaps, frames):
+def test_the_answer_follows_the_head_and_a_link_brings_head_and_set_back(gaps):
     words = gaps.inner_text(".explore .stage .figure")
-    for name in ("modality_gap", "domain_gap"):
-        curve = frames.curves[f"{name}/f_hat"]
-        assert f"{min(curve):.2f} and {max(curve):.2f}" in words
     assert words.startswith("No: the steps")
     options = gaps.eval_on_selector_all(".of-head option", "all => all.map((one) => one.value)")
     assert options == ["", "retrained", "every", "chirps/moved", "chirps/retrained", "chirps/every"]
@@ -86,7 +83,7 @@ def test_the_answer_has_the_range_of_both_gaps_and_follows_the_head(gaps, frames
     assert len(said) == 3 and "chirp" in gaps.inner_text(".explore .chosen")
     link = gaps.url
     go(gaps, GAPS)
-    go(gaps, link)  # a link brings head and set back
+    go(gaps, link)
     gaps.wait_for_selector(f"{TREE} [aria-label*=chirp]")
     assert gaps.inner_text(".explore .stage .figure") == words
 

@@ -147,26 +147,6 @@ def test_a_first_own_pair_needs_less_than_30_mb_and_a_site_of_both_sets_less_tha
     assert megabytes(files_in(folder)) + own + megabytes({*facts.values()}) < 60
 
 
-def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(chromium, folder):
-    lack = "globalThis.WebAssembly = undefined;"
-    context = chromium.new_context(service_workers="block")
-    script = next(folder.glob("web-*/site/worker.js")).read_text(encoding="utf-8")
-    context.route(
-        "**/site/worker.js",
-        lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript"),
-    )
-    with site(folder) as address:
-        page, problems = visit(context)
-        page.goto(f"{address}?view=pair")
-        page.wait_for_selector(
-            ".pair .problem:has-text('This browser has no WebAssembly with SIMD')"
-        )
-        page.click("#view-explore-button")
-        page.wait_for_selector(".explore.ready")
-        context.close()
-    assert problems == []
-
-
 def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromium, folder):
     kept = sum(len(file.relative_to(folder).parts) > 1 for file in files_in(folder))
     pictures = [file for file in files_in(folder) if "-example-" in file.name]
