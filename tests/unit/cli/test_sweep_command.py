@@ -12,6 +12,7 @@ from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.sweep import STAGES, sweep
+from omnivat.measure.gaps import GAPS
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 
 
@@ -32,6 +33,7 @@ def test_every_measure_at_every_stage_is_a_named_column_of_the_table(head_folder
     assert main(command(head_folder, "--csv", out, *every)) == 0
     found = columns(out)
     assert [float(order) for order in found.pop("order")] == [0, 0.3, 1]
+    assert set(GAPS) - {"centroid"} < set(STAGE_MEASURES)  # its two ways have names of their own
     for measure in STAGE_MEASURES:
         assert {f"{measure}/{stage}" for stage in STAGES} <= set(found)
     for measure in set(PREDICTION_MEASURES) - {"confusion"}:
