@@ -15,7 +15,7 @@ from omnivat.measure.rungs import labels, pairs
 
 
 @pytest.fixture(scope="module")
-def two(make_embeddings, head_folder, tmp_path_factory):
+def two(make_embeddings, tmp_path_factory):
     """A set of the head's encoder with three domains and a split, and a profile of one."""
     folder = tmp_path_factory.mktemp("profiles")
     three = make_embeddings(domains=("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim"), split=True)

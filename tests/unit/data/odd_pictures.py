@@ -34,24 +34,17 @@ def printed(
     *,
     square: bool = False,
     turn: float = 0.0,
-    missing: float = 0.0,
-    bulge: float = 0.0,
     darkness: float = 0.8,
-    seed: int = 0,
 ) -> Array:
     """Return the share of light (side, side) that printed dots take; lengths in pixels of
     `side`.
     """
-    random = np.random.default_rng(seed)
     y, x = np.mgrid[:side, :side] - side / 2
-    pushed = 1 - bulge * np.exp(-(x**2 + y**2) / (2 * (side / 5) ** 2))
-    u = pushed * (x * np.cos(turn) + y * np.sin(turn)) + pitch / 3
-    v = pushed * (y * np.cos(turn) - x * np.sin(turn)) + pitch / 4
-    i, j = np.round(u / pitch).astype(int), np.round(v / pitch).astype(int)
-    du, dv = u - i * pitch, v - j * pitch
+    u = x * np.cos(turn) + y * np.sin(turn) + pitch / 3
+    v = y * np.cos(turn) - x * np.sin(turn) + pitch / 4
+    du, dv = u - np.round(u / pitch) * pitch, v - np.round(v / pitch) * pitch
     away = np.maximum(np.abs(du), np.abs(dv)) if square else np.hypot(du, dv)
-    there = random.random((99, 99)) >= missing
-    return np.asarray(darkness * np.clip(radius + 0.5 - away, 0, 1) * there[i + 49, j + 49])
+    return np.asarray(darkness * np.clip(radius + 0.5 - away, 0, 1))
 
 
 def snow(side: int, seed: int) -> Array:

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 PAPER = Path(__file__).resolve().parents[3] / "paper"
-TEXT = (PAPER / "paper.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture

@@ -204,11 +204,6 @@ def test_a_folder_without_permission_is_listed(tree, reasons, monkeypatch):
     assert reasons(read(root)) == {"D/glass": "may not be opened: its permissions forbid it"}
 
 
-def test_a_path_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(DataError, match="There is no folder or file at"):
-        read_pairs(tmp_path / "nowhere")
-
-
 names = st.text(
     st.sampled_from("aW \u00e9\uff37\n'\"_.-\u200b\U0001f600"), min_size=1, max_size=6
 ).filter(lambda name: name.strip(".") and len(name.encode()) < 100)

@@ -166,7 +166,7 @@ def test_tables_of_other_encodings_and_separators_are_read_and_old_ones_noted(
     assert ("read as Windows-1252" in found.origin) is (encoding in ("latin-1", "cp1252"))
 
 
-def test_bytes_that_are_no_text_are_refused_with_the_remedy(table, tmp_path):
+def test_bytes_that_are_no_text_are_refused_with_the_remedy(table):
     file = table("")
     file.write_bytes(b"\xff\x81\x00\x00\x01,\x90")
     with pytest.raises(DataError, match="is not UTF-8 text. Save it as 'CSV UTF-8'"):
