@@ -160,3 +160,12 @@ def test_a_pair_without_a_class_is_not_tested(maps, make_embeddings, without_cla
     assert isinstance(reader, Reader)
     away = measured(reader, some)["domains"][1]
     assert away["left_out"] == 16 and away["pairs"] == 24
+
+
+def test_f1_is_the_mean_over_draws(head, shifted):
+    mean, *each = (
+        measured(head, shifted, pairs(2), draws=draws, seed=seed)["domains"][1]["scores"]["fused"]
+        for draws, seed in ((2, 3), (1, 3), (1, 4))
+    )
+    first, second = (one["macro_f1"] for one in each)
+    assert first != second and mean["macro_f1"] == pytest.approx((first + second) / 2)

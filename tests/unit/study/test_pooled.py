@@ -1,5 +1,7 @@
 """A head of all domains: what it reads, what it keeps, and that its maps decide."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -10,7 +12,7 @@ from omnivat.head.predict import predict_embeddings
 from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
 from omnivat.study import pooled
-from omnivat.study.pooled import ALL, pooled_head, with_maps
+from omnivat.study.pooled import ALL, _pooled, pooled_head, with_maps
 from omnivat.training import TrainSettings
 from tests.builders import move_domains
 
@@ -85,3 +87,11 @@ def test_it_is_an_ordinary_head_on_disk_and_can_be_taught(head, shifted, tmp_pat
 def test_two_domains_are_too_few(make_embeddings):
     with pytest.raises(DataError, match="has 2 domain.* needs three or more"):
         pooled_head(make_embeddings(), seed=0)
+
+
+def test_pairs_of_all_domains_are_one_object_only_if_domain_and_name_agree(shifted):
+    some = shifted.select(np.arange(3))
+    two_domains = replace(some, domain=np.array([0, 0, 1]))
+    for names, objects in ((["a", "a", "a"], 2), (["", "", ""], 3)):
+        pooled = _pooled(replace(two_domains, rows={**some.rows, "object": names}))
+        assert len(set(pooled.rows["object"])) == objects

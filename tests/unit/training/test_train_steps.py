@@ -187,3 +187,13 @@ def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):
     assert model.settings.order == trained.search["start"]
     assert used.order_lr_scale == pytest.approx(0.001)
     assert trained.search["found"] == trained.model.order != trained.search["start"]
+
+
+def test_a_step_takes_the_orders_of_its_batch_and_unguided_pairs_for_the_bank(monkeypatch):
+    settings, batch, losses, moved = TrainSettings(), batch_of([True, False, True]), [], []
+    for order in (0.1, 0.9):
+        model = build_head(head_settings(), seed=1)
+        monkeypatch.setattr(model.mffa, "update_bank", lambda _, labels: moved.extend(labels))
+        drawn = replace(batch, order=torch.full((3,), order, dtype=torch.float64))
+        losses.append(learn(model, make_optimiser(model, settings), drawn, settings)["loss"])
+    assert losses[0] != losses[1] and moved == [1, 1]

@@ -84,3 +84,8 @@ def test_the_guard_of_lang_has_both_accuracies_and_their_gap():
 def test_without_omnivat_nothing_is_compared_with_it():
     text = protocol_report(grid("linear_maps", 0.8) + grid("erm_mlp", 0.6))
     assert "| linear_maps |" in text and "best other row" not in text
+
+
+def test_a_record_run_again_replaces_the_older(records):
+    newer = record("omnivat", "TAG-sim", 0, [1.0, 1.0])
+    assert "| TAG-sim | 73.3 / 63.3 |" in protocol_report([*records, newer])  # (1 + .6 + .6) / 3
