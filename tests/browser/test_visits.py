@@ -134,13 +134,11 @@ def test_a_camera_gives_a_picture_that_is_answered(visit):
 
 
 def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_images_again(
-    desktop, server
+    visit, server
 ):
-    page = desktop.new_page()
-    page.goto(server.address + "?chapter=analyse&vis=row:0&tac=row:0", wait_until="commit")
-    page.wait_for_selector(MAP)
-    open_tab(page, "pair")
-    page.wait_for_selector(ANSWERED)
+    visit("?chapter=analyse", MAP)
+    page = visit("?view=pair&chapter=analyse&vis=row:0&tac=row:0", ANSWERED)
+    page.held = True  # without a server it never settles
     choose(page, "tac", texture(4))
     page.wait_for_function("location.search.includes('tac=image')")
     page.wait_for_selector(ANSWERED)
@@ -158,7 +156,6 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_selector(ANSWERED)
     page.wait_for_selector(".pair .bars td[data-reading=vis]", state="attached")
     assert page.is_hidden(".pair .problem") and page.is_hidden(".top .lost")
-    page.close()
 
 
 def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(visit):
