@@ -130,3 +130,7 @@ def test_a_link_to_itself_is_refused_in_a_sentence(tmp_path, run):
     (tmp_path / "loop").symlink_to("loop")
     said = run("embed", tmp_path / "loop", "--out", tmp_path / "q.safetensors", code=1).err
     assert re.search(r"^omnivat embed: .*\.$", said.strip())
+
+
+def test_no_command_prints_the_help(run):
+    assert "predict" in run().out

@@ -277,3 +277,14 @@ def test_a_small_parquet_file_of_countless_rows_does_not_fill_memory(tmp_path, m
     with pytest.raises(DataError, match=r"a.parquet' takes more memory or time .*again\.$"):
         columns_of(tmp_path / "a.parquet").get("vis")
     small.close()
+
+
+def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
+    write_npz(table, tmp_path / "a.npz")
+    table["vis"] = table["vis"] + 1
+    write_npz(table, tmp_path / "b.npz")
+    first, second, other = (
+        import_embeddings(tmp_path / file, encoder=name).header.key
+        for file, name in (("a.npz", "x"), ("b.npz", "x"), ("b.npz", "y"))
+    )
+    assert first == second != other

@@ -224,3 +224,10 @@ def test_every_pixel_is_kept_where_asked_for_and_below_2048():
     image = Image.new("L", (2048, 2048))
     assert read_image(image, reduced=False).size == (2048, 2048)
     assert read_image(Image.new("L", (2047, 2900))).size == (2047, 2900)
+
+
+@pytest.mark.parametrize("kind", ["PNG", "TIFF"])
+def test_sixteen_bits_of_grey_keep_their_upper_eight(kind):
+    wide = GREY.astype(np.uint16) * 256 + 77
+    read = values(encoded(Image.fromarray(wide), kind))
+    assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omnivat.data.pairs import Pair
-from omnivat.data.splits import hold_out
+from omnivat.data.splits import hold_out, split_by_object
 
 
 def pairs(objects, domain="D"):
@@ -49,3 +49,12 @@ def test_every_class_of_two_objects_is_on_both_sides(classes, size, fraction):
 def test_pairs_without_an_object_are_each_their_own():
     held = hold_out([""] * 100, np.zeros(100, dtype=int), 0.2, seed=0)
     assert held.sum() == 20
+
+
+def test_a_domains_split_does_not_depend_on_the_others():
+    one = pairs([(f"a{i}", "wood") for i in range(20)], "A")
+    two = pairs([(f"a{i}", "wood") for i in range(30)], "B")
+    alone = split_by_object(one, seed=0, test=0.3)
+    both = split_by_object([*two, *one], seed=0, test=0.3)
+    assert both[30:] == alone
+    assert [pair.split for pair in both[:20]] != [pair.split for pair in alone], "drawn apart"

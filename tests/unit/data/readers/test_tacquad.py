@@ -171,3 +171,12 @@ def test_a_tree_without_a_known_material_says_so(root):
         (root / f"contact_{part}.csv").write_text("stone,0,5,0,5,0,5\n")
     with pytest.raises(DataError, match=r"No pairs of TacQuad .* the folder is missing \(2\)"):
         read_pairs(root)
+
+
+def test_fields_are_drawn_once(root, tree, tmp_path):
+    fields(root, tree)
+    cache = tmp_path / "cache" / "tac3d"
+    first = read_pairs(root)
+    times = {file: file.stat().st_mtime_ns for file in cache.iterdir()}
+    assert read_pairs(root) == first
+    assert {file: file.stat().st_mtime_ns for file in cache.iterdir()} == times
