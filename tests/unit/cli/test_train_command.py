@@ -88,3 +88,11 @@ def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
     assert main(command(file, tmp_path / "head")) == 1
     assert "holds 'thesis.txt', which is not part of a head" in capsys.readouterr().err
     assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"
+
+
+def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):
+    more = ("--set", "order_search=true", "--set", "lang=false")
+    assert main(command(file, tmp_path / "head", *more)) == 0
+    search = load_head(tmp_path / "head").metrics["order_search"]
+    assert len(search["orders"]) == len(search["score"]) == len(search["spread"])
+    assert search["found"] == load_head(tmp_path / "head").model.order
