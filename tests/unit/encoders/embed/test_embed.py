@@ -148,3 +148,15 @@ def test_names_that_are_no_text_still_give_a_readable_table(tmp_path):
     strange = Pair(vis=odd, tac=pair.tac, domain="TAG", material="glass")
     report = embed(PairSet(pairs=(strange,)), tmp_path / "set.safetensors")
     assert load_embeddings(report.out).rows["vis"][0].endswith("\\xff_vis.png")
+
+
+def test_dots_are_filled_before_a_rest_picture_is_subtracted(tmp_path):
+    pairs, shots = make_pairs(tmp_path / "set", 2), (printed(1), np.roll(printed(1), 7, (0, 1)))
+    for file, shot in zip(
+        (pairs.pairs[1].tac, tmp_path / "set" / "OF Real" / "rest.png"), shots, strict=True
+    ):
+        Image.fromarray(shot).save(file)
+    loaded = load_embeddings(embed(with_rest(pairs, "all"), tmp_path / "set.safetensors").out)
+    clean = minus_rest(*(Image.fromarray(fill_dots(shot)[0]) for shot in shots))
+    assert np.array_equal(loaded.tac[1], embed_image(MeanColour(), clean))
+    assert loaded.header.preprocessing == "none" + FILLED + RESTED
