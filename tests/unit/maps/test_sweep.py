@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from omnivat.kit.errors import SettingsError, ShapeError
-from omnivat.maps.sweep import STAGES, sweep
+from omnivat.maps.sweep import STAGES, sweep, walk
 from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, macro_f1
 from omnivat.measure.gaps.sums import cosine_margin
@@ -105,3 +105,12 @@ def test_a_projecting_head_measures_its_own_transform():
 def test_an_order_that_is_no_number_is_refused():
     with pytest.raises(SettingsError, match="Every order must be a finite number"):
         sweep(head(), pairs(), (float("nan"),))
+
+
+def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
+    first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
+    assert set(first.features) == {"raw", "frft", "f_hat"}
+    assert [set(found.features) for found in later] == [{"f_hat"}] * 3
+    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), predictions=False))
+    assert [found.index for found in alone] == [0]
+    assert alone[0].probabilities == {}

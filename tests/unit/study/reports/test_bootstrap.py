@@ -3,6 +3,7 @@
 import pytest
 
 from omnivat.study.reports.bootstrap import (
+    _objects,
     complete_rows,
     draws_for,
     percentile,
@@ -55,3 +56,14 @@ def test_side_tables_show_confidence_and_margins():
     text = protocol_report(grid("omnivat", 0.8))
     assert "| OmniVaT | 10.0 | 0.10 | 10.0 |" in text
     assert "20.0 / 10.0 / –" in text
+
+
+def test_every_draw_holds_as_many_objects_of_each_class_as_the_domain():
+    drawn = draws_for(found := grid("omnivat", 0.75))
+    for domain, classes in _objects(found).items():
+        for label in set(classes.values()):
+            columns = [
+                drawn.objects[domain].index(one) for one, name in classes.items() if name == label
+            ]
+            assert 0 < len(columns) < len(classes)
+            assert (drawn.weights[domain][:, columns].sum(1) == len(columns)).all()
