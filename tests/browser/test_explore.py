@@ -72,6 +72,43 @@ def test_on_a_phone_nothing_moves_and_limits_that_are_open_stay_open_when_gradio
     assert page.is_visible(".top .limits") and page.evaluate(PLACE) == before
 
 
+def drag_over(page, name):
+    """Drag over the middle of a histogram."""
+    histogram = page.locator(f'.explore .histograms [data-name="{name}"] svg')
+    histogram.scroll_into_view_if_needed()
+    box = histogram.bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + 0.3 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=4)
+    page.mouse.up()
+
+
+def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_aside_elsewhere(
+    visit,
+):
+    page = visit(TOOLS, ".explore .histograms svg")
+    drag_over(page, "cosine")
+    page.wait_for_selector(".explore [data-panel=step] .map-title:has-text('photo–touch cosine')")
+    pixels(page)  # the last move of the mouse is drawn
+    settle(page)
+    assert "range=" in page.url
+    found = page.inner_text(".explore .finder .found")
+    page.click('.explore [data-chapter="order"]')
+    page.wait_for_selector(".explore .title:visible")
+    assert "range=" not in page.url
+    page.click('.explore [data-chapter="analyse"]')
+    page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
+    page.focus(".explore .histograms [data-name=confidence] svg")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    assert page.inner_text(".explore .finder .found") != found
+    page.click(".explore .histograms [data-name=confidence] button")
+    assert page.inner_text(".explore .finder .found") == found
+    page.fill(".explore .finder input[type=search]", "wood")
+    page.wait_for_selector(f".explore .finder .found:not(:text-is('{found}'))")
+
+
 def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if_with_a_learned_p(visit):
     frames = read_frames(EXAMPLES / "retrained.bin")
     share = frames.curves["seeds:accuracy/unseen/mean"][frames.orders.index(0.5)]
@@ -158,55 +195,6 @@ def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(
     assert "Ignore distances and scale." in words(page, ".approximate")
 
 
-def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(visit):
-    page = visit(MOVED)
-    x, _ = place_of_a_point(page)
-    page.wait_for_selector(".explore .peek:visible")
-    box = page.locator(".explore .peek").bounding_box()
-    assert min(abs(box["x"] - x), abs(box["x"] + box["width"] - x)) < 40
-    page.focus(".explore .map canvas + canvas")
-    for _ in range(16):
-        page.keyboard.press("+")
-    page.wait_for_selector(".explore .map.pictured")
-
-
-def drag_over(page, name):
-    """Drag over the middle of a histogram."""
-    histogram = page.locator(f'.explore .histograms [data-name="{name}"] svg')
-    histogram.scroll_into_view_if_needed()
-    box = histogram.bounding_box()
-    middle = box["y"] + box["height"] / 2
-    page.mouse.move(box["x"] + 0.3 * box["width"], middle)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=4)
-    page.mouse.up()
-
-
-def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_aside_elsewhere(
-    visit,
-):
-    page = visit(TOOLS, ".explore .histograms svg")
-    drag_over(page, "cosine")
-    page.wait_for_selector(".explore [data-panel=step] .map-title:has-text('photo–touch cosine')")
-    pixels(page)  # the last move of the mouse is drawn
-    settle(page)
-    assert "range=" in page.url
-    found = page.inner_text(".explore .finder .found")
-    page.click('.explore [data-chapter="order"]')
-    page.wait_for_selector(".explore .title:visible")
-    assert "range=" not in page.url
-    page.click('.explore [data-chapter="analyse"]')
-    page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
-    page.focus(".explore .histograms [data-name=confidence] svg")
-    for _ in range(8):
-        page.keyboard.press("ArrowRight")
-    assert page.inner_text(".explore .finder .found") != found
-    page.click(".explore .histograms [data-name=confidence] button")
-    assert page.inner_text(".explore .finder .found") == found
-    page.fill(".explore .finder input[type=search]", "wood")
-    page.wait_for_selector(f".explore .finder .found:not(:text-is('{found}'))")
-
-
 def test_one_head_for_every_order_is_a_mode_and_its_curves_follow_p(visit):
     frames = read_frames(EXAMPLES / "every.bin")
     for order in (0.2, 0.8):
@@ -219,6 +207,20 @@ def test_one_head_for_every_order_is_a_mode_and_its_curves_follow_p(visit):
         assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"
         assert "One head for every p" in page.inner_text(".explore .mode-words")
         page.wait_for_selector(".card .near h4:has-text('raw embedding')")  # of another head
+
+
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(visit):
+    page = visit(MOVED)
+    x, _ = place_of_a_point(page)
+    page.wait_for_selector(".explore .peek:visible")
+    box = page.locator(".explore .peek").bounding_box()
+    assert min(abs(box["x"] - x), abs(box["x"] + box["width"] - x)) < 40
+    page.focus(".explore .map canvas + canvas")
+    for _ in range(16):
+        page.keyboard.press("+")
+    page.wait_for_selector(".explore .map.pictured")
+    page.mouse.move(1, 1)
+    page.keyboard.press("0")
 
 
 def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page, address):
