@@ -108,7 +108,8 @@ def earlier(runs: Sequence[Run]) -> str:
     )
     return (
         '<section class="ov train"><div class="panel earlier"><h2>Trained in this visit</h2>'
-        f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        '<div class="scroll" tabindex="0" role="group" aria-label="Trained in this visit">'
+        f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
         '<p class="hint">Each over the same pairs as above.</p>'
         f'<p class="difference">{_compared(runs)}</p></div></section>'
     )

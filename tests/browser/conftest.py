@@ -240,6 +240,12 @@ def watched(page, address, problems):
     return page
 
 
+def forget(page, address):
+    """Forget what another journey left in the browser, such as its trainings."""
+    kept = {"origin": address.rstrip("/"), "storageTypes": "local_storage"}
+    page.context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
+
+
 @pytest.fixture
 def new_page(chromium, desktop, address):
     """Return a maker of empty pages; afterwards checks that nothing went wrong unseen.
@@ -253,9 +259,8 @@ def new_page(chromium, desktop, address):
         page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
         if size:
             page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-        if not pages:  # what another journey left, such as its trainings, is forgotten
-            kept = {"origin": address.rstrip("/"), "storageTypes": "local_storage"}
-            page.context.new_cdp_session(page).send("Storage.clearDataForOrigin", kept)
+        if not pages:
+            forget(page, address)
         pages.append(watched(page, address, problems))
         return page
 
@@ -270,6 +275,7 @@ def one_page(desktop, address):
     """Return the page of a file."""
     problems = []
     page = watched(desktop.new_page(), address, problems)
+    forget(page, address)
     page.goto(address, wait_until="commit")
     page.wait_for_selector(".ov.explore.ready")
     yield page

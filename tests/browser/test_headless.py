@@ -87,6 +87,11 @@ def test_a_set_without_a_head_has_maps_gaps_neighbours_and_a_head_is_trained_use
     page.wait_for_selector("#train-map .js-plotly-plot")
     page.wait_for_selector("#view-train .earlier td")
     assert faults(page, of="#view-train") == []
+    page.set_viewport_size({"width": 400, "height": 800})
+    table = page.locator("#view-train .earlier")
+    assert table.bounding_box()["width"] < 400
+    assert table.evaluate("box => box.scrollWidth - box.clientWidth") <= 0
+    page.set_viewport_size({"width": 1440, "height": 900})
     titles = page.locator("#train-charts .annotation-text .line:first-child").all_text_contents()
     # no empty chart of accuracy away from home
     assert titles == ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]
