@@ -17,6 +17,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from app.shared.messages import UNEXPECTED
 from benchmarks._attack_costly import decoded
 from benchmarks._attack_files import heads, images, questions, sets, spoilt_tensors
 from benchmarks._fuzz import report
@@ -53,10 +54,15 @@ def judged(response: Any, seconds: float) -> str:
         return f"status {response.status_code}"
     if seconds > SLOW_S:
         return f"{seconds:.1f} s"
-    if response.status_code < 400:
-        return ""
     try:
-        said = response.json()["error"]
+        if response.status_code >= 400:
+            said = response.json()["error"]
+        elif "ndjson" in response.headers.get("content-type", ""):  # the rest of a reply
+            said = json.loads(response.text.splitlines()[-1]).get("problem", ".")
+        else:
+            return ""
+        if said == UNEXPECTED:
+            return "an error nobody thought of, after the first line"
         said = said["message"] if isinstance(said, dict) else said  # of JSON-RPC
     except (ValueError, KeyError, TypeError):
         return f"no sentence: {response.text[:80]!r}"
@@ -90,11 +96,15 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
             chosen.choice(("vis", "tac", "pairs", "lessons", "touches")): place,
             "modality": chosen.choice(("vis", "both", 1)),
             "as": chosen.choice(("figures", "npy", "ply", "", None)),
+            "with": chosen.choice(
+                (["familiar", "journey"], ["rivals", "moving"], "x", [[1]], None)
+            ),
             "theme": "%00",
         }
         text = json.dumps(question | {"names": chosen.choice((None, "x", [1], ["a"]))}).encode()
         cut = chosen.choice((len(text), len(text) - 1, 0))
-        way = f"{chosen.choice(list(QUESTIONS))}?sizes={cut},{len(text) + len(content) - cut}"
+        route = chosen.choice(("pair", chosen.choice(list(QUESTIONS))))
+        way = f"{route}?sizes={cut},{len(text) + len(content) - cut}"
         send(
             "touches", f"image {k}, {question} to {way}", f"/omnivat/{way}", content=text + content
         )
