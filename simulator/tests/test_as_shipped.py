@@ -9,6 +9,7 @@ import json
 import zlib
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import numpy as np
@@ -20,11 +21,13 @@ from simulator.domains import SIMULATED
 from simulator.grounds import GROUNDS, ground
 from simulator.noise import plane
 from simulator.plan import PAIRS, classes, planned
+from simulator.props import props
 from simulator.renderer import mitsuba
+from simulator.scenes import SCENES
 from simulator.sensors import Sensor, TaximSensor
 from simulator.shapes import KINDS, made_of
 from simulator.surfaces import RECIPES, SKINS
-from simulator.tests.stand_ins import Transform, packages
+from simulator.tests.stand_ins import Mitsuba, Transform, packages
 
 FILE = Path(__file__).with_name("as_shipped.json")
 SHIPPED = Path(__file__).parents[2] / "examples" / "pairs"
@@ -48,6 +51,13 @@ def surface(recipe, seed):
 def skin(material, seed):
     rng = np.random.default_rng(seed)
     return SKINS[material](rng, 0.3)(X, Y), rng.random()
+
+
+def hand(seed):
+    spot = SimpleNamespace(point=np.array([5.0, 9.0, 30.0]), normal=np.array([0.0, 0.6, 0.8]))
+    seen = {"scene": SCENES["TAG"], "spot": spot, "eye": np.array([90.0, 150.0, 300.0])}
+    with patch("simulator.props.mitsuba", Mitsuba):
+        return props(SimpleNamespace(**seen, held=True, seed=seed))
 
 
 def image(pair, kind):
@@ -76,7 +86,7 @@ SKINNED = {
 FLOORS = {
     f"{name} {k}": partial(ground, name, 40 * X, 40 * Y, seed=k) for name in GROUNDS for k in (0, 1)
 }
-QUICK = {**SHAPES, **SURFACES, **SKINNED, **FLOORS}
+QUICK = {**SHAPES, **SURFACES, **SKINNED, **FLOORS, "hand": partial(hand, 0)}
 # one photo and one touch of every domain; together they are of every class
 SLOW = {
     f"{kind} {pair.object}": partial(image, pair, kind)

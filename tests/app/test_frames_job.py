@@ -166,6 +166,18 @@ def test_a_failure_is_told_and_tried_again_after_a_while_and_not_at_once(new, mo
     assert job.wait().file is not None
 
 
+def test_a_map_that_waits_says_its_place(new):
+    go, there = Event(), Event()
+    job = new()
+    job._of.shared.jobs.start(
+        lambda _: (there.set(), go.wait(300)), lane="long", owner="other", priority=-1
+    )
+    there.wait(300)
+    assert "number 1 in the queue" in job.state().step.text
+    go.set()
+    assert job.wait().file is not None
+
+
 def test_a_cancelled_map_writes_nothing(new, tmp_path, building):
     seen, go = Event(), Event()
     building(lambda _: (seen.set(), go.wait(300)))

@@ -24,6 +24,7 @@ def test_a_misspelt_command_gets_the_nearest_one(run):
         (["predict", "a", "b", "--order", "nan"], "order is nan; give a number of quarter turns"),
         (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
         (["protocol", "--out", "x", "--seeds", ","], "','; give whole numbers such as 0,1,2"),
+        (["train", "--repeat", "a"], "'a'; give whole numbers such as 0,1,2"),
         (["train", "--set", "width"], "'width'; write it as key=value"),
         (["sweep", "--csv", "c", "--stops", "1"], "'1'; give a whole number, 2 to 1001"),
         (["gaps", "--measure", "centrod"], "'centrod'; give one of centroid, mmd_linear,"),

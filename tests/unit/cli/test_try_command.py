@@ -220,9 +220,23 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
 
 
-def test_another_file_ends_in_one_sentence(tmp_path, run):
+def test_touches_may_have_an_encoder_and_a_layer_of_their_own(tmp_path, run, paint):
+    for name in ("0_vis", "0_tac", "1_vis", "1_tac"):
+        paint(tmp_path / "mine" / f"bench/wood/{name}.png")
+    own = ["--encoder", "strip", "--tac-encoder", "efficientnet-lite0", "--layer", "2"]
+    run("try", tmp_path / "mine", "--no-page", *own)
+    made = load_embeddings(tmp_path / "mine-try" / "set.safetensors")
+    assert made.header.encoder == "strip | efficientnet-lite0#2"
+    said = run("try", tmp_path / "mine", "--tac-weights", "x.pt", code=1).err
+    assert "--tac-weights needs --tac-encoder" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")]
+)
+def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, run, name, words):
     (tmp_path / "x.txt").write_text("x")
-    assert "ends in '.txt'" in run("try", tmp_path / "x.txt", "--no-page", code=1).err
+    assert words in run("try", tmp_path / name, "--no-page", code=1).err
 
 
 def test_a_source_of_one_class_is_refused(tmp_path, run):

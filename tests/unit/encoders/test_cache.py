@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair, embed_views
+from omnivat.encoders.cache import (
+    EmbeddingCache,
+    default_cache,
+    embed_image,
+    embed_pair,
+    embed_views,
+)
 from omnivat.kit.errors import DataError
 
 from .embed.small_pairs import MeanColour, png
@@ -30,6 +36,12 @@ def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path):
     one, two = (embed_image(encoder, png(), first) for _ in range(2))
     three = embed_image(encoder, png(), EmbeddingCache(tmp_path))
     assert encoder.calls == 1 and np.array_equal(one, two) and np.array_equal(one, three)
+
+
+def test_the_cache_of_predictions_lies_in_the_folder_of_the_variable(tmp_path, monkeypatch):
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path))
+    embed_image(Counting(), png(), default_cache())
+    assert len(entries(tmp_path / "embeddings")) == 1
 
 
 def test_whatever_changes_the_embedding_changes_the_key(tmp_path):

@@ -1,6 +1,7 @@
 """Teaching a head from a few labelled pairs."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import torch
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
-from omnivat.head.curve import curve
+from omnivat.head.curve import curve, curve_in_words
 from omnivat.head.ridge import SHARPNESS, ridge, sharpness
 from omnivat.head.teach import Lesson, Work, judged, splits, taught
 from omnivat.kit.errors import DataError
@@ -189,6 +190,21 @@ def test_the_curve_ends_with_what_teaching_brings(head, head_folder):
         curve(head, many[:1])
 
 
+@pytest.mark.parametrize(
+    ("right", "words"),
+    [
+        ([0.5], "Label a third object"),
+        ([0.5, 0.5], "More labels bring little here; from 1 to 2 objects a class"),
+        ([0.2, 0.9], "From 1 to 2 objects a class: .70 points, give or take 3\\.$"),
+        ([0.2, 0.6, 0.9], "The last step, from 2 to 3 .*: more labels may bring more"),
+        ([0.2, 0.9, 0.9], "The last step, .*: no gain that can be told from chance"),
+    ],
+)
+def test_what_labels_bring_is_told_only_where_it_can_be(right, words):
+    each = [np.full(60, share) for share in right]
+    assert re.search(words, curve_in_words(range(1, len(right) + 1), each))
+
+
 @pytest.mark.parametrize(("labels", "objects"), [("wwg", "abc"), ("wwgg", "aabb")])
 def test_too_few_objects_are_refused_with_what_is_there(head, lessons, labels, objects):
     names = {"w": "wood", "g": "glass"}
@@ -216,9 +232,11 @@ def test_the_command_says_what_teaching_brings_and_writes_a_head(
 ):
     own = tmp_path / "own"
     save_head(own, head)
-    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
-    save_embeddings(tmp_path / "few.safetensors", pairs.select(np.arange(0, len(pairs), 2)))
+    every = load_embeddings(head_folder.parent / "set.safetensors")
+    pairs = every.in_domain("OF Real-sim")
+    save_embeddings(tmp_path / "few.safetensors", every.select(np.arange(0, len(every), 2)))
     command = ["teach", "--embeddings", str(tmp_path / "few.safetensors"), "--head", str(own)]
+    command += ["--domain", "OF Real-sim"]
     assert main([*command, "--out", str(tmp_path / "new"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["pairs"] == len(found["held_out"]) == len(pairs) // 2

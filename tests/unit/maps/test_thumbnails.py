@@ -3,10 +3,13 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PIL import Image
 
+from omnivat.cli import main
 from omnivat.cli.thumbnails import start_of
+from omnivat.data.store import save_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.maps.thumbnails import write_thumbnails
 
@@ -79,3 +82,23 @@ def test_images_that_lie_deeper_are_found_where_only_one_place_has_them(pictures
         (place / names[0]).touch()
         wanted = inner if place == inner else tmp_path / "set"
         assert start_of(tmp_path / "set", names) == wanted
+
+
+def test_the_command_writes_the_sheet_beside_the_embeddings(pictures, tmp_path, capsys):
+    chosen, root = pictures
+    save_embeddings(tmp_path / "set.safetensors", chosen)
+    (root / chosen.rows["tac"][0]).unlink()
+    line = ["--embeddings", str(tmp_path / "set.safetensors"), "--tile", "16"]
+    assert main(["thumbnails", str(root), *line]) == 0
+    sheet = tmp_path / "set.thumbnails.webp"
+    assert f"8 thumbnails written to {sheet}, 1 images missing" in capsys.readouterr().out
+    with Image.open(sheet) as image:
+        assert image.size == (48, 48)
+    assert main(["thumbnails", str(tmp_path / "none"), *line]) == 1
+    assert "There is no folder or file at" in capsys.readouterr().err
+
+
+def test_a_set_without_pairs_has_no_sheet(make_embeddings, tmp_path):
+    none = make_embeddings().select(np.array([], dtype=np.int64))
+    with pytest.raises(DataError, match="no pairs in these embeddings"):
+        write_thumbnails(none, tmp_path, tmp_path / "sheet.webp")

@@ -107,6 +107,14 @@ SPOILT = {
     "touches of another width": {"tac": np.zeros((3, 2, 7), np.uint8)},
     "objects of Python": {"vis": np.full(3, None)},
     "another format": {"text": {"format": "x"}},
+    "negative lengths": {"tac_length": np.full((3, 2), -1, np.float32)},
+    "a touch that is filled twice": {"changed": np.zeros(3, int)},
+    "too few labels": {"label": np.array([0, 1])},
+}
+SAID = {
+    "negative lengths": "tac_length should be finite float32 from 0",
+    "a touch that is filled twice": "changed names a touch twice",
+    "too few labels": "label should have 3 entries",
 }
 
 
@@ -125,7 +133,7 @@ def test_a_file_of_another_kind_is_one_sentence(tmp_path, what):
         text |= own | {k: text[k] | v for k, v in own.items() if isinstance(v, dict)}
         arrays |= spoilt | {"text": np.frombuffer(json.dumps(text).encode(), np.uint8)}
         np.savez(file, **arrays)
-    with pytest.raises(DataError, match=r"cannot be read as twins \(.*\.$"):
+    with pytest.raises(DataError, match=rf"cannot be read as twins \(.*{SAID.get(what, '')}.*\.$"):
         twins(file)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import embed_image
+from omnivat.kit.errors import DataError
 
 from .small_pairs import MeanColour, embed, make_pairs, png
 
@@ -62,3 +63,17 @@ def test_parts_of_changed_images_or_settings_or_damaged_ones_are_made_again(tmp_
     with pytest.raises(StopError):
         embed(pairs, out, on_step=stop_after(9))
     assert embed(pairs, out, flips=False).resumed == 0
+
+
+@pytest.mark.usefixtures("small_chunks")
+def test_a_part_that_is_removed_meanwhile_is_not_left_out_in_silence(tmp_path):
+    pairs, out = make_pairs(tmp_path), tmp_path / "set.safetensors"
+
+    def removed(step):
+        if step.done == step.total:
+            (tmp_path / "set.safetensors.parts" / "part-0000000.safetensors").unlink()
+
+    with pytest.raises(DataError, match="Of 3 parts 2 can be read"):
+        embed(pairs, out, on_step=removed)
+    assert not out.exists()
+    assert embed(pairs, out).embedded == len(pairs.pairs)

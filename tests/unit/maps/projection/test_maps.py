@@ -191,6 +191,12 @@ def test_a_map_that_is_not_linear_is_not_taken_for_one():
     torch.testing.assert_close(found.places.float(), points[:1, :2] ** 2)
 
 
+def test_too_few_points_cannot_show_that_a_map_is_linear():
+    points = noise(10, 8, dtype=torch.float64)
+    assert affine(points[:9], points[:9, :2]) is None
+    assert affine(points, points[:, :2]) is not None
+
+
 @pytest.mark.parametrize("gap", [3.0, 0.1])
 def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map(gap):
     """Rows at two places without edges: half of the sampled rows are the others. No push is above

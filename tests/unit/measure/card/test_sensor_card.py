@@ -14,7 +14,7 @@ from omnivat.data.arranged import with_ways
 from omnivat.kit.errors import DataError
 from omnivat.measure.card import of_set
 from omnivat.measure.card.card import card_of
-from omnivat.measure.card.changes import COSTS, changes_between
+from omnivat.measure.card.changes import COSTS, changes_between, cost_of
 from omnivat.measure.card.traits import traits_of
 from simulator.sensors import SENSORS, Lamp
 
@@ -145,6 +145,8 @@ def test_what_a_change_costs_is_what_the_twins_record():
         found = every[names.get(part, part)]
         for words, printed in (("as it comes", kept), ("dots filled", filled)):
             assert abs(np.ravel(found[words])[0]) == pytest.approx(printed, abs=0.06)
+    assert "touch loses 19 points of accuracy, and 0.5 with the dots" in cost_of("dots")
+    assert cost_of("mirrored") == ""
 
 
 def test_the_domains_of_a_set_whose_sensors_differ_are_named_in_a_sentence(
