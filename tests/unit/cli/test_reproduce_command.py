@@ -52,6 +52,8 @@ def test_the_papers_sets_are_found_where_they_lie_and_read_as_one(root, tmp_path
     (tmp_path / "empty").mkdir()
     with pytest.raises(DataError, match="None of Touch-and-Go"):
         find_paper_sets(tmp_path / "empty")
+    with pytest.raises(DataError, match="There is no folder '.*nowhere'"):
+        find_paper_sets(tmp_path / "nowhere")
 
 
 def test_a_set_that_is_there_twice_is_refused_with_both_places(root, paint):

@@ -13,6 +13,7 @@ from safetensors.torch import save_file as save_torch
 from omnivat.cli import main
 from omnivat.data.columns import columns_of
 from omnivat.data.foreign import import_embeddings
+from omnivat.data.npz import read_npz
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.kit.limited import Limited
@@ -144,6 +145,8 @@ def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(table, tmp_pat
         ),
         (lambda t: t.update(vis=np.full((6, 4), "x")), "has no numbers in vis"),
         (lambda t: t.update(material=np.arange(6)), "number 5 as a material.*name 6 classes with"),
+        (lambda t: t.update(domain=np.array(["a"] * 5 + [""])), "no domain in row 5"),
+        (lambda t: t.update(vis=np.array(["v.png"] * 6)), "names pictures in vis.*as .*a.csv, and"),
         (lambda t: t.update(split=np.array(["tset"] * 6)), "row 0: there is no split 'tset'"),
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
@@ -154,6 +157,19 @@ def test_what_does_not_fit_is_refused_by_name(table, tmp_path, change, match):
     with pytest.raises(DataError, match=match) as caught:
         import_embeddings(tmp_path / "a.npz", encoder="x")
     assert "a.npz" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["set.npz", "set.safetensors"])
+def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
+    (tmp_path / name).write_bytes(b"\x00\x01nothing")
+    with pytest.raises(DataError, match=f"{name}' (is not an NPZ file|cannot be read)"):
+        import_embeddings(tmp_path / name, encoder="x")
+
+
+def test_a_small_file_of_large_arrays_is_refused(table, tmp_path):
+    write_npz(table, tmp_path / "a.npz")
+    with pytest.raises(DataError, match="its arrays have over 0 MB"):
+        read_npz(tmp_path / "a.npz", 10)
 
 
 def test_numbered_columns_are_found_by_any_name_and_all_of_them_are_needed(tmp_path):

@@ -161,6 +161,12 @@ ALONE = ["felt . . None 10", "wood . . None 0", "wood . . None 1"]
             ["felt touch_1 . 11 111", "wood touch_0 . 1 101"],
         ),
         (
+            "rgb_0*1=0 rgb_1*1=1 rgb_2*1=2 rgb_3*1=3 rgb_4*1=4 tac_0*1=100 tac_1*1=101 tac_2*1=102"
+            ' tac_3*1=103 tac_4*1=104 labels=["a","b","a","b","c"]',
+            [],
+            ["a 0 . 0 100", "a 2 . 2 102", "b 1 . 1 101", "b 3 . 3 103", "c 4 . 4 104"],
+        ),
+        (
             '0/left_tactile=100 0/right_tactile=120 0/wrist=0 0/label="wood" 0/item="mug"',
             [],
             ["left_tactile: wood mug . 0 100", "right_tactile: wood mug . 0 120"],

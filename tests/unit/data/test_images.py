@@ -93,6 +93,13 @@ def test_a_deep_picture_that_would_lose_its_contrast_is_stretched_or_refused(low
     assert "16-bit colour, of which 8 bits keep" in refusal(png((64, 64), 2, 16, body))
 
 
+def test_a_tiff_of_numbers_of_another_type_is_named():
+    content = encoded(Image.fromarray((GREY / 255).astype(np.float32)), "TIFF")
+    bits = [struct.pack("<HHIHH", 258, 3, 1, count, 0) for count in (32, 16)]
+    assert content.count(bits[0]) == 1
+    assert "numbers of a type that is not read" in refusal(content.replace(*bits))
+
+
 def png(size, mode, depth, body):
     """Return a PNG of kinds that Pillow does not write. size: width, height."""
 

@@ -126,7 +126,7 @@ def test_a_profile_without_a_name_is_of_the_only_other_domain():
         domain_of(nameless, ("A", "B", "C"), "A")
 
 
-@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "step"])
+@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "step", "format"])
 def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
     file = tmp_path / "p.safetensors"
     mine = profile_of(make_embeddings(), domain="B")
@@ -138,6 +138,9 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
     }.get(spoilt, vis)
     step = float("nan") if spoilt == "step" else 1.0
     save_profile(file, replace(mine, step=step, channels={**mine.channels, "vis": changed}))
+    if spoilt == "format":
+        file.write_bytes(file.read_bytes().replace(b"omnivat-profile-1", b"omnivat-profile-9"))
     with pytest.raises(DataError) as caught:
         load_profile(file)
     assert str(file) in str(caught.value) and "\n" not in str(caught.value)
+    assert ("(format 'omnivat-profile-9')" in str(caught.value)) is (spoilt == "format")

@@ -261,6 +261,7 @@ def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
         ({"codebase_version": "v1.6"}, "v2 and v3 are read"),
         ({"fps": "x"}, "fps of .* is 'x'"),
         ({"data_path": "../../{episode_index}.parquet"}, "leads out of"),
+        ({"data_path": "data/\0.parquet"}, "it may hold"),
         ({"data_path": "{nobody}"}, "is '{nobody}'; it may hold {video_key}, {episode_index}"),
         ({"data_path": "{episode_index:999999999d}"}, "9d}' cannot be read"),
         ({"data_path": "{episode_index.real.__class__}"}, "__}' cannot be read"),

@@ -10,7 +10,7 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
 
-from omnivat.data.arrays import read_arrays
+from omnivat.data.arrays import Column, read_arrays, write_arrays
 from omnivat.data.profile import profile_of
 from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings, write_manifest
@@ -98,9 +98,14 @@ def test_a_file_cut_short_is_refused_by_name(file, share):
 
 def test_a_missing_file_and_another_one_are_refused_with_the_command_that_makes_it(tmp_path):
     save_file({"a": np.zeros(3, np.float32)}, tmp_path / "other.safetensors")
-    for name, why in (("none", "No embeddings file"), ("other", "not a set of embeddings")):
+    (tmp_path / "pairs.csv").write_text("vis,tac")
+    for name, why in (
+        ("none.safetensors", "No embeddings file"),
+        ("other.safetensors", "not a set of embeddings"),
+        ("pairs.csv", "is a table"),
+    ):
         with pytest.raises(DataError, match=f"{why}.*python -m omnivat embed"):
-            load_embeddings(tmp_path / f"{name}.safetensors")
+            load_embeddings(tmp_path / name)
 
 
 def rewritten(file, texts=(), **changes):
@@ -114,6 +119,7 @@ def rewritten(file, texts=(), **changes):
     ("changes", "match"),
     [
         ({"label": np.zeros(3, np.int64)}, "differing lengths"),
+        ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
         ({"label": np.full(30, 99)}, "label index without a name"),
         ({"domain": np.full(30, -1)}, "domain index without a name"),
         ({"vis": np.full((30, 24), np.nan, np.float32)}, "nan in row 0, column 0"),
@@ -184,6 +190,12 @@ def test_a_domain_its_split_and_an_unknown_one(embeddings):
 def test_loading_needs_no_torch():
     code = "import sys, omnivat.data.store; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_blocks_that_do_not_add_up_are_refused(tmp_path):
+    short = Column(dtype=np.dtype("float32"), shape=(4, 2), blocks=[np.zeros((3, 2), np.float32)])
+    with pytest.raises(ValueError, match="8 bytes less"):
+        write_arrays(tmp_path / "a.safetensors", {"a": short}, {})
 
 
 def test_a_name_that_is_no_text_is_refused_in_a_sentence_and_nothing_is_written(

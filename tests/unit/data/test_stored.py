@@ -125,6 +125,8 @@ def test_files_of_pictures_in_hdf5_are_pictures_and_a_plain_row_of_bytes_is_none
         (np.full((16, 24, 3), 200.0, np.float32), 200),  # whole, so not of 0 to 1
         (np.full((16, 24), 1.0), 255),
         (np.linspace(0, 65535, 16 * 24 * 3).reshape(16, 24, 3).astype(np.uint16), 127),
+        (np.full((16, 24, 3), 200), 200),  # of a list
+        (np.full((16, 24, 3), 30000, np.uint16), "16-bit colour, of which 8 bits keep 0 levels"),
         (np.full((16, 24, 3), 2.5), "or of floats from 0 to 1"),
     ],
 )
@@ -155,6 +157,26 @@ def test_bytes_of_pictures_in_a_column_of_any_name_are_read_once_it_is_named(tmp
         "a",
         "b",
     ]
+
+
+def test_pixels_in_lists_are_pictures_and_a_list_of_them_is_a_film(tmp_path):
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    columns = {"rgb": greys(50).tolist(), "tactile": [[one] for one in greys(150).tolist()]}
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    assert imported(tmp_path / "a.parquet", tmp_path / "out") == 0
+    assert shown(tmp_path / "out", "vis") == [50, 51, 52, 53]
+    assert shown(tmp_path / "out", "tac") == [150, 151, 152, 153]
+
+
+def test_folders_that_are_named_become_pairs_and_a_half_alone_is_told(tmp_path, capsys):
+    for k, name in enumerate(("cam/wood/1.png", "skin/wood/1.png", "skin/wood/2.png")):
+        file = tmp_path / "press" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(greys(50 * k)[0]).save(file)
+    assert imported(tmp_path / "press", tmp_path / "out", "--vis", "cam", "--tac", "skin") == 0
+    assert labels(tmp_path / "out") == [("press", "wood", "", "")]
+    assert (shown(tmp_path / "out", "vis"), shown(tmp_path / "out", "tac")) == ([0], [50])
+    assert "no _vis image beside the other" in capsys.readouterr().out
 
 
 def test_a_list_of_pictures_in_a_row_is_a_film_of_one_object(tmp_path, capsys):

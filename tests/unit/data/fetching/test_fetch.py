@@ -208,8 +208,17 @@ def test_a_truncated_repository_is_one_sentence(server, tmp_path):
     assert left(tmp_path / "out") == [".out.part"]
 
 
+def test_a_changed_file_is_one_sentence(server, tmp_path):
+    first, second = unpacked(server)[:2]
+    first.chmod(0o644)
+    first.write_bytes(second.read_bytes())
+    with pytest.raises(DataError, match=r"Git stopped \(.*\); run the command again\.$"):
+        fetch(NAME, tmp_path / "out", source=str(server))
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_copy_here_without_some_files_gives_the_other_pairs_and_names_what_it_lacks(
-    server, tmp_path
+    server, tmp_path, monkeypatch
 ):
     git(server, "config", "uploadpack.allowFilter", "false")
     blobs = unpacked(server)
@@ -225,6 +234,10 @@ def test_a_copy_here_without_some_files_gives_the_other_pairs_and_names_what_it_
         blob.unlink()
     with pytest.raises(DataError, match=f"no pairs of {NAME} at .*: it lacks {COUNT} files"):
         fetch(NAME, tmp_path / "none", source=str(server))
+    for path in ("data/part_0/interaction_0000.jpg", "README.md"):
+        monkeypatch.setitem(fetching.LAYOUTS, NAME, lambda _, text, path=path: [text(path)])
+        with pytest.raises(DataError, match=f"lacks the file {path}; name another copy"):
+            fetch(NAME, tmp_path / "none", source=str(server))
     assert not (tmp_path / "none").exists()
 
 

@@ -131,6 +131,18 @@ def test_a_row_that_cannot_be_used_is_skipped_and_listed(table, reasons, row, wh
     assert why in reasons(found)["row 4"]
 
 
+def test_of_touches_alone_a_row_of_a_photo_is_left_out(table, reasons):
+    found = read_pairs(table("vis,tac\n,t.png\n,t_tac.png\nv.png,\n"))
+    assert (len(found.pairs), found.modalities()) == (2, ("tac",))
+    assert reasons(found)["row 4"] == "it has no tac image, and the set is of touches alone"
+
+
+def test_strict_leaves_out_classes_beyond_the_five(table, reasons):
+    file = table(f"{HEADER}\nv.png,t.png,TAG,wood\nt.png,v.png,TAG,felt\n")
+    assert len(read_pairs(file).pairs) == 2
+    assert reasons(read_pairs(file, strict=True))["row 3"].startswith("strict")
+
+
 def test_the_same_images_under_two_materials_are_refused_with_both_rows(table):
     file = table(f"{HEADER}\nv.png,t.png,TAG,wood\nv.png,t.png,TAG,glass\n")
     with pytest.raises(DataError, match="the material 'wood' in row 2 and 'glass' in row 3"):
@@ -180,6 +192,13 @@ def test_of_two_columns_of_one_name_the_first_is_used_and_the_other_is_named(tab
         read_pairs(table("vis,touch,touch\nv.png,t.png,t_tac.png\n"))
 
 
-def test_a_file_that_is_no_csv_is_refused(tree):
-    with pytest.raises(DataError, match="is a file, but pairs come from a folder or a CSV"):
-        read_pairs(tree("a_vis.png") / "a_vis.png")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a_vis.png", "is a file, but pairs come from a folder or a CSV"),
+        ("a.npz", "make a folder of pairs first: `python -m omnivat import .*a.npz --out PAIRS`"),
+    ],
+)
+def test_a_file_that_is_no_csv_is_refused(tree, name, message):
+    with pytest.raises(DataError, match=message):
+        read_pairs(tree(name) / name)
