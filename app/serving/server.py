@@ -24,6 +24,7 @@ from app.shared.visitor_sets import VisitorSets
 from omnivat.kit.errors import MissingPackageError, OmniVatError, printable
 from omnivat.kit.tables import need
 
+QUEUE_S = 0.05  # between two looks of Gradio for an event; its millisecond is 7 % of a processor
 log = logging.getLogger(__name__)
 LINES, LONGEST = 60, 300  # a minute; characters of a line
 
@@ -73,6 +74,7 @@ def build(sets: VisitorSets) -> Any:
                 build_tab = getattr(view, "build", lambda *_, name=name: component(name))
                 with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}") as tab:
                     build_tab(sets, tab)
+    page._queue.sleep_when_free = QUEUE_S
     return page
 
 

@@ -22,7 +22,7 @@ def interpreter(code, *arguments):
 
 
 RUNNING = """
-import json, sys, urllib.request
+import gc, inspect, json, sys, urllib.request
 from http.client import HTTPConnection
 from types import SimpleNamespace
 from urllib.parse import urlsplit
@@ -37,6 +37,11 @@ def create_window(title, address, **size):
             assert answer.status == 200 and answer.read()
     heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
     print("LOADED", *sorted((heavy | {"mcp"}) & set(sys.modules)))
+
+    from gradio.queueing import Queue
+    (queue,) = {one.sleep_when_free for one in gc.get_objects() if isinstance(one, Queue)}
+    looks = "sleep(self.sleep_when_free)" in inspect.getsource(Queue.start_processing)
+    print("IDLE", looks and queue)
 
     client = HTTPConnection(urlsplit(address).netloc)
 
@@ -84,10 +89,17 @@ def test_a_page_in_a_window_loads_nothing_heavy_and_refuses_events_that_gradio_c
         port = str(probe.getsockname()[1])
     done = interpreter(RUNNING, port)
     assert done.returncode == 0, done.stderr[-3000:]
-    words = ("LOADED", "REFUSED", "SEEN", "STARTED")
+    words = ("LOADED", "IDLE", "REFUSED", "SEEN", "STARTED")
     said = [one for one in done.stdout.splitlines() if one.startswith(words)]
     # a head loads no algebra
-    assert said == ["LOADED", "REFUSED True", "SEEN OmniVaT", "STARTED", "LOADED torch"]
+    assert said == [
+        "LOADED",
+        "IDLE 0.05",
+        "REFUSED True",
+        "SEEN OmniVaT",
+        "STARTED",
+        "LOADED torch",
+    ]
     assert 0 < done.stderr.count("Value: 'x'") <= 2 * LINES  # two minutes at most
 
 

@@ -123,7 +123,12 @@ def faults(page, options=None, of="html"):
     if not page.evaluate("'axe' in window"):
         page.evaluate(AXE_SCRIPT)
     found = page.evaluate(
-        "([of, options]) => axe.run(document.querySelector(of), options)", [of, options or {}]
+        """async ([of, options]) => {
+          const moving = document.getAnimations().filter((one) => one instanceof CSSTransition);
+          await Promise.allSettled(moving.map((one) => one.finished));
+          return axe.run(document.querySelector(of), options);
+        }""",
+        [of, options or {}],
     )
     return [
         f"{fault['id']}: {fault['help']}: {node['target']}"
