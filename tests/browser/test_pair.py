@@ -1,7 +1,6 @@
 """Try a pair: one journey for each action."""
 
 import re
-from contextlib import suppress
 from io import BytesIO
 from shutil import copyfile
 from urllib.parse import parse_qs, urlsplit
@@ -171,20 +170,6 @@ window.fetch = async (to, ...more) => {
 
 
 FEED = ".pair .feed[data-modality={}] "
-OFF = "document.querySelector('.cameras [aria-pressed=true].main')?.click()"
-
-
-def switch_on(page):
-    """Start Live; the cameras of the test before may still be closing, so it is tried again."""
-    from playwright.sync_api import TimeoutError as Late
-
-    for patience in (30_000, 30_000, 90_000):
-        page.click(".pair .cameras [data-send=camerasSwitched]")
-        with suppress(Late):
-            page.wait_for_selector(".pair .verdict .tag:has-text('live')", timeout=patience)
-            return
-        page.evaluate(OFF)
-    pytest.fail("Live does not start.")
 
 
 @pytest.fixture(scope="module")
@@ -209,7 +194,8 @@ def live(filmed, sensor, presses):
 
     def opened(name="gelsight", photo="Webcam"):
         sensor.see(presses(name)[0])
-        switch_on(filmed)
+        filmed.click(".pair .cameras [data-send=camerasSwitched]")
+        filmed.wait_for_selector(".pair .verdict .tag:has-text('live')")
         filmed.select_option(FEED.format("vis") + ".device", label=photo)
         crop = FEED.format("tac") + ".crop"  # another name of the whole picture drops an old rest
         filmed.select_option(crop, "" if filmed.input_value(crop) else "4:3")
@@ -217,7 +203,7 @@ def live(filmed, sensor, presses):
         return filmed
 
     yield opened
-    filmed.evaluate(OFF)
+    filmed.evaluate("document.querySelector('.cameras [aria-pressed=true].main')?.click()")
 
 
 def take_rest(page):

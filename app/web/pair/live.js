@@ -75,7 +75,7 @@ export async function live(desk, _, signal) {
   try {
     await attempt(read, (/** @type {string} */ problem) => send("noted", { problem }));
   } finally {
-    close();
+    if (!signal.aborted || !desk.tab.on) close(); // not the sources of a newer start
     send("camerasOff", why); // which ends this work, so a problem is noted before
   }
 }
