@@ -105,7 +105,7 @@ def summed(rounds: Sequence[Mapping[str, float]]) -> dict[str, dict[str, float]]
         "most": max,
     }
     return {
-        name: {way: round(of([one[name] for one in rounds]), 3) for way, of in ways.items()}
+        name: {way: round(of([figures[name] for figures in rounds]), 3) for way, of in ways.items()}
         for name in rounds[0]
     }
 

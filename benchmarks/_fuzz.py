@@ -100,7 +100,7 @@ def seeds_of(reader: Reader) -> list[Case]:
     """Return a reader's good cases."""
     with TemporaryDirectory() as folder:
         made = reader.seeds(Path(folder))
-    return [one if isinstance(one, dict) else {name: one} for name, one in made.items()]
+    return [case if isinstance(case, dict) else {name: case} for name, case in made.items()]
 
 
 def _bad(outcome: dict[str, Any]) -> str:

@@ -102,7 +102,7 @@ def _member(content: bytes, chance: Random) -> bytes | None:
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}
-            packing = {one.filename: one.compress_type for one in archive.infolist()}
+            packing = {member.filename: member.compress_type for member in archive.infolist()}
     except Exception:  # it is damaged already
         return None
     if not members:
@@ -114,12 +114,12 @@ def _member(content: bytes, chance: Random) -> bytes | None:
         renamed = chance.choice(("../" * 9 + name, "/" + name, name + "x", name.upper(), "\u0301"))
     with BytesIO() as handle:
         with zipfile.ZipFile(handle, "w") as archive:
-            for one, inner in members.items():
-                mine = one == name
+            for member, inner in members.items():
+                mine = member == name
                 archive.writestr(
-                    renamed if mine else one,
+                    renamed if mine else member,
                     changed if mine and changed is not None else inner,
-                    packing[one],
+                    packing[member],
                 )
         return handle.getvalue()
 
@@ -145,9 +145,9 @@ def mutated(case: Case, other: Case, chance: Random) -> tuple[str, Case]:
     name = chance.choice(list(case))
     if chance.random() < 0.05:
         if chance.random() < 0.5 and len(case) > 1:
-            return "missing", {one: content for one, content in case.items() if one != name}
+            return "missing", {key: content for key, content in case.items() if key != name}
         own, more = case[name], other.get(name, b"")
-        at, end = (chance.randrange(len(one) + 1) for one in (own, more))
+        at, end = (chance.randrange(len(text) + 1) for text in (own, more))
         return "splice", {**case, name: (own[:at] + more[end:])[:MOST]}
     while True:
         way = chance.choice(list(MUTATIONS))

@@ -164,8 +164,8 @@ def _stored(folder: Path) -> dict[str, Any]:
 def _read_imported(folder: Path) -> object:
     from omnivat.data.recordings import clips_of, write_pairs
 
-    inner = [one for one in sorted(folder.iterdir()) if one.suffix in (".hapt", ".touch")]
-    files = [one for one in sorted(folder.iterdir()) if one.is_file()]
+    inner = [path for path in sorted(folder.iterdir()) if path.suffix in (".hapt", ".touch")]
+    files = [path for path in sorted(folder.iterdir()) if path.is_file()]
     source = inner[0] if inner else files[0] if len(files) == 1 else folder
     return write_pairs(clips_of(source), folder.with_name("out"), frames=1)
 
@@ -246,10 +246,10 @@ def _profiles(folder: Path) -> dict[str, Any]:
     from omnivat.data.profile_file import save_profile
     from omnivat.data.relief import Lamps
 
-    one = Channels(mean=np.ones(8, "f4"), variance=np.ones(8, "f4"), count=3)
+    channels = Channels(mean=np.ones(8, "f4"), variance=np.ones(8, "f4"), count=3)
     numbers: dict[str, Any] = {"ratio": 0.1, "confidence": 0.9, "pictures": 5}
     lamps = Lamps(colours=np.eye(3, 2), background=np.asarray(_picture(8)), **numbers)
-    bare = Profile(channels={"tac": one}, key=("e", "w", "p"), domain="A")
+    bare = Profile(channels={"tac": channels}, key=("e", "w", "p"), domain="A")
     save_profile(folder / "a", bare)
     save_profile(folder / "b", replace(bare, lamps=lamps))
     return files_in(folder)

@@ -43,7 +43,7 @@ class Record:
         self.domains = first["domains"]
         self.domain = np.array(first["domain"])
         self.truth = letters(first["truth"])
-        self.alike = np.array([one == "1" for one in first["look_alike"]])
+        self.alike = np.array([flag == "1" for flag in first["look_alike"]])
         homes = (self.truth[self.domain == k] for k in range(len(self.domains)))
         self.learned = [np.isin(self.truth, home) for home in homes]  # the classes of a source
         self.cells = cache(self._cells)
@@ -51,7 +51,7 @@ class Record:
     def _cells(self, rung: str, *, alike: bool = False) -> Cells:
         """Return accuracies of a rung; `alike`: of the pairs that look like another class only."""
         found: Runs = defaultdict(dict)
-        for run in (one for one in self.runs if rung in one["answers"]):
+        for run in (run for run in self.runs if rung in run["answers"]):
             source = self.domains.index(run["source"])
             known = self.learned[source]
             counted = known & self.alike if alike else known
@@ -162,4 +162,4 @@ def twins() -> Cells:
 def real() -> dict[str, Any]:
     """Return what -> record of the real pairs of VT60."""
     records = json.loads((RECORDS / "real.json").read_text(encoding="utf-8"))["records"]
-    return {one["what"]: one for one in records if one["part"] == "vt60"}
+    return {record["what"]: record for record in records if record["part"] == "vt60"}

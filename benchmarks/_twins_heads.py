@@ -177,7 +177,7 @@ def _tested(
     """Return unit rows of twins (S, N, W), or (S, PARTS, N, W), with the pictures of number r."""
     vis = np.swapaxes(made.vis, 0, 1)
     if look == RELIEF:
-        tac = np.stack([one[min(r, len(LIT) - 1)] for one in relief[reading]])
+        tac = np.stack([vectors[min(r, len(LIT) - 1)] for vectors in relief[reading]])
         vis = np.broadcast_to(vis[:, None], (*tac.shape[:2], *vis.shape[1:]))
     else:
         tac = np.swapaxes(made.filled if look else made.tac, 0, 1)

@@ -228,9 +228,9 @@ def main(arguments: list[str] | None = None) -> int:
         for name, counts in found.items()
     }
     write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record})
-    for name, one in record.items():
-        print(f"{name:10} held {one['held']:5}  fell {len(one['fell'])}  {one['statuses']}")
-        for line in one["fell"][:10]:
+    for name, part in record.items():
+        print(f"{name:10} held {part['held']:5}  fell {len(part['fell'])}  {part['statuses']}")
+        for line in part["fell"][:10]:
             print("   ", line)
     return int(any(counts.fell for counts in found.values()))
 

@@ -156,7 +156,9 @@ def watched(
         process.start()
     with ThreadPoolExecutor(visitors) as crowd:
         everybody = [Ordinary(address, k) for k in range(visitors)]
-        every = [one for visit in crowd.map(lambda v: v.stay(until), everybody) for one in visit]
+        every = [
+            request for visit in crowd.map(lambda v: v.stay(until), everybody) for request in visit
+        ]
     if event:
         counts = dict(sorted(hear.recv().items()))
         process.join()
@@ -185,10 +187,10 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=OUT)
     chosen = parser.parse_args()
     with started() as (server, address, _):
-        one = Visitor(address, 0)
-        one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
-        one.own_pair(0)  # head, set and encoder are loaded
-        event = small_training(one)
+        visitor = Visitor(address, 0)
+        visitor.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
+        visitor.own_pair(0)  # head, set and encoder are loaded
+        event = small_training(visitor)
         found: dict[str, Any] = {
             name: watched(address, chosen.visitors, 60 * minutes, given)
             for name, minutes, given in (

@@ -71,10 +71,10 @@ def taught(head: Head, data: Embeddings) -> dict[str, int]:
         for row, label in enumerate(data.label)
     ]
     alone = 0
-    for k, one in enumerate(lessons):
+    for k, lesson in enumerate(lessons):
         other = teach.taught(head, [*lessons[:k], *lessons[k + 1 :]])
-        best = int(other.model(one.vis, one.tac).probabilities.argmax())
-        alone += other.settings.classes[best] == one.label
+        best = int(other.model(lesson.vis, lesson.tac).probabilities.argmax())
+        alone += other.settings.classes[best] == lesson.label
     return {"folds": teach.judged(head, lessons).after, "objects": alone}
 
 
@@ -83,7 +83,7 @@ def familiar(head: Head, data: Embeddings) -> dict[str, int]:
     assert head.familiarity
     vis, tac = (torch.from_numpy(np.array(getattr(data, name), np.float32)) for name in IMAGES)
     looks = head.familiarity.look(vis, tac)
-    return {name: sum(one[name]["quantile"] >= UNLIKE for one in looks) for name in IMAGES}
+    return {name: sum(look[name]["quantile"] >= UNLIKE for look in looks) for name in IMAGES}
 
 
 if __name__ == "__main__":

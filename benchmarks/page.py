@@ -141,7 +141,7 @@ def renderers_mb(chromium: Any) -> float:
     """Return the resident memory of the largest renderer process of this browser, in MB."""
     session = chromium.new_browser_cdp_session()
     found = session.send("SystemInfo.getProcessInfo")["processInfo"]
-    return max(resident_mb(one["id"]) for one in found if one["type"] == "renderer")
+    return max(resident_mb(process["id"]) for process in found if process["type"] == "renderer")
 
 
 def live(page: Any, pictures: int) -> float:
@@ -212,9 +212,9 @@ def main() -> None:
     figures = summed(rounds)
     write_json(chosen.out, machine() | about | {"figures": figures})
     for name, (what, target) in FIGURES.items():
-        one = figures[name]
-        spread = f"{one['median']:8.3g} ({one['least']:.3g} to {one['most']:.3g})"
-        print(f"{what:60} {spread:28} {met(target, one['median'])}")
+        figure = figures[name]
+        spread = f"{figure['median']:8.3g} ({figure['least']:.3g} to {figure['most']:.3g})"
+        print(f"{what:60} {spread:28} {met(target, figure['median'])}")
 
 
 if __name__ == "__main__":

@@ -184,7 +184,7 @@ def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
             visits = crowd.map(
                 lambda visitor: list(visitor.visit(training, mixed=mixed)), everybody
             )
-            every = [one for visit in visits for one in visit]
+            every = [request for visit in visits for request in visit]
         kinds = Counter(what for what, _ in every)
         for what in ("drag", "upload", "whole"):
             seconds = [s for kind, s in every if kind == what] or [float("inf")]
@@ -206,9 +206,9 @@ def main() -> int:
         name: {**summed(rounds)[name], "target": target} for name, (_, target) in FIGURES.items()
     }
     write_json(chosen.out, {"machine": machine(), "rounds": len(rounds), "figures": figures})
-    for name, one in figures.items():
-        met = "met" if one["median"] <= one["target"] else "NOT met"
-        print(f"{FIGURES[name][0]:60} {one['median']:8.3g}  target {one['target']:g}  {met}")
+    for name, figure in figures.items():
+        met = "met" if figure["median"] <= figure["target"] else "NOT met"
+        print(f"{FIGURES[name][0]:60} {figure['median']:8.3g}  target {figure['target']:g}  {met}")
     return 0
 
 

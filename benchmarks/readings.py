@@ -97,11 +97,15 @@ def cost(right: Mapping[tuple[str, str], Array]) -> tuple[float, float, Array]:
     def draw() -> float:
         some = (lost[k] for k in random.integers(len(lost), size=len(lost)))
         return float(
-            np.mean([one[random.integers(len(one), size=len(one))].mean() for one in some])
+            np.mean(
+                [values[random.integers(len(values), size=len(values))].mean() for values in some]
+            )
         )
 
     limits = np.quantile([draw() for _ in range(DRAWS)], [0.025, 0.975])
-    home, others = (100 * float(np.mean([one.mean() for one in some])) for some in (own, away))
+    home, others = (
+        100 * float(np.mean([values.mean() for values in some])) for some in (own, away)
+    )
     return home, others, np.array([home - others, *(100 * limits)])
 
 
@@ -120,7 +124,7 @@ def of_gels(folder: Path) -> str:
     for reading, every in KNOWN.items():
         for words, *known in every:
             home, others, (loss, *limits) = cost(right(made, learning, lit, reading, known))
-            low, high = (f"{one:.1f}".replace("-", "−") for one in limits)
+            low, high = (f"{limit:.1f}".replace("-", "−") for limit in limits)
             figures = f"{home:.1f}", f"{others:.1f}", f"{loss:.1f} ({low} to {high})"
             rows.append([reading, words, *figures])
     return table(
@@ -155,8 +159,8 @@ def of_tac3d(folder: Path) -> Iterator[str]:
     place = records[0].domains.index(TAC3D)
     for words, rung in (("nothing known", "none"), ("lamps and profile of 20", "n20")):
         cells = [record.cells(rung)["linear_maps"][:, place] for record in records]
-        seeds = min(one.shape[1] for one in cells)
-        lit, plain = (float(np.nanmean(one[:, :seeds])) for one in cells)
+        seeds = min(cell.shape[1] for cell in cells)
+        lit, plain = (float(np.nanmean(cell[:, :seeds])) for cell in cells)
         yield f"Linear maps, {words}: {lit:.1f} % by relief, {plain:.1f} in colours"
 
 

@@ -64,7 +64,7 @@ def _of(name: str, part: str, words: str, factor: float) -> Change:
 
 def _turned(angle: float) -> Change:
     def sensor(gel: Sensor) -> Sensor:
-        lamps = [Lamp(one.azimuth + angle, one.colour, one.spill) for one in gel.lamps]
+        lamps = [Lamp(lamp.azimuth + angle, lamp.colour, lamp.spill) for lamp in gel.lamps]
         return replace(gel, lamps=tuple(lamps))
 
     return Change("lamps", f"turned by {angle:.0f}°", sensor)
@@ -180,7 +180,7 @@ def rows_of(
         for count in counts:
             began = process_time()
             changes = changes_between(old[count], summed(read[:count]))
-            found[count][f"{change.part} {change.words}"] = [one.part for one in changes]
+            found[count][f"{change.part} {change.words}"] = [change.part for change in changes]
             seconds[count].append(count * each + process_time() - began)
     return [
         {"gel": name, "draw": draw, "touches": count, "seconds": round(median(seconds[count]), 2),
@@ -213,7 +213,7 @@ def report(rows: Sequence[Mapping[str, Any]]) -> str:
     counts = sorted({row["touches"] for row in rows})
     lines = []
     shares: set[tuple[int, int]] = set()
-    for (part, _), some in groupby(CHANGES, lambda one: (one.part, one.words.split()[0])):
+    for (part, _), some in groupby(CHANGES, lambda change: (change.part, change.words.split()[0])):
         kind, cells = [*some], []
         for count in counts:
             found = [named_first(rows, change, count) for change in kind]
@@ -222,7 +222,9 @@ def report(rows: Sequence[Mapping[str, Any]]) -> str:
             cells.append(", ".join(texts) if {*texts} != {"–"} else "–")
         first, *others = (change.words.split() for change in kind)
         start = len([*takewhile(lambda same: len({*same}) == 1, zip(first, *others, strict=False))])
-        words = "; ".join(" ".join(one) for one in (first, *(other[start:] for other in others)))
+        words = "; ".join(
+            " ".join(words) for words in (first, *(other[start:] for other in others))
+        )
         lines.append([f"{part} {words}".strip(), *cells])
     ends = [
         f"{right}/{of} {100 * low:.0f}–{100 * high:.0f}"
@@ -237,7 +239,7 @@ def named_first(rows: Sequence[Mapping[str, Any]], change: Change, count: int) -
     """Return in how many pairs of folders a change is named first, and how many pairs there are."""
     key = f"{change.part} {change.words}"
     lists = [row["named"][key] for row in rows if row["touches"] == count and key in row["named"]]
-    return sum((one or [""])[0] == change.part for one in lists), len(lists)
+    return sum((parts or [""])[0] == change.part for parts in lists), len(lists)
 
 
 def spent(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -72,7 +72,11 @@ class Site:
 
     def outside(self) -> list[str]:
         """Return what was fetched from other hosts."""
-        return [one for one in self.fetched if one.startswith("http") and "//localhost" not in one]
+        return [
+            address
+            for address in self.fetched
+            if address.startswith("http") and "//localhost" not in address
+        ]
 
     def ask(self, path: str, question: Any, file: bytes = b"") -> tuple[int, Any, float]:
         """Return status, reply and milliseconds of one request, with a picture after it."""

@@ -74,7 +74,7 @@ def made_in(folder: Path) -> dict[str, str]:
     def plain(value: Any) -> Any:
         if isinstance(value, dict):
             return {k: plain(v) for k, v in value.items() if not k.endswith(TIMES)}
-        return [plain(one) for one in value] if isinstance(value, list) else value
+        return [plain(item) for item in value] if isinstance(value, list) else value
 
     found = {}
     for file in sorted(f for f in folder.rglob("*") if f.is_file() and f.name != TIMED):

@@ -174,8 +174,8 @@ def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
     own = method.features(raw_of(embeddings, train))
 
     def taught(lessons: Sequence[Lesson]) -> Reader:
-        raw = {n: torch.cat([getattr(one, n) for one in lessons]) for n in IMAGES}
-        some = np.array([classes.index(one.label) for one in lessons])
+        raw = {n: torch.cat([getattr(lesson, n) for lesson in lessons]) for n in IMAGES}
+        some = np.array([classes.index(lesson.label) for lesson in lessons])
         features = torch.cat((own, method.features(raw)))
         labels = torch.from_numpy(np.concatenate((embeddings.label[train], some)))
         weights = torch.ones(len(features))
@@ -258,7 +258,7 @@ def facts(embeddings: Embeddings) -> dict[str, Any]:
         "classes": list(embeddings.header.classes),
         "domain": embeddings.domain[tested].tolist(),
         "truth": lettered(embeddings.label[tested]),
-        "look_alike": "".join("01"[int(one)] for one in looks),
+        "look_alike": "".join("01"[int(look)] for look in looks),
     }
 
 
@@ -272,7 +272,7 @@ def main() -> None:
     parser.add_argument("--relief", action="store_true", help=f"touches by relief, of {FOLDER}")
     parser.add_argument("--pack", action="store_true", help="write them to examples/records, too")
     options = parser.parse_args()
-    if not options.relief and any(one in options.methods for one in (BOTH, THREE, WIDE)):
+    if not options.relief and any(method in options.methods for method in (BOTH, THREE, WIDE)):
         parser.error(f"'{THREE}', '{WIDE}' and names with '{BOTH}' read relief, too; add --relief")
     pin_thread()
     embeddings = load_embeddings(options.embeddings)
@@ -282,7 +282,7 @@ def main() -> None:
     done = list(lines(options.out, FORMAT))
     if not done:
         append(options.out, facts(embeddings))
-    have = {(one["method"], one["source"], one["seed"]) for one in done[1:]}
+    have = {(line["method"], line["source"], line["seed"]) for line in done[1:]}
     for seed in numbers(options.seeds):
         for source in embeddings.header.domains:
             for name in listed(options.methods):  # two of them share one fit
@@ -312,7 +312,7 @@ def write_run(
     if relief and name == WIDE:
         wide = Wide(relief)
         made, methods = [(wide.source, wide)], {WIDE: partial(wide_maps, relief.colours)}
-    heads = [Measured(one, bare, source, seed, methods, by) for one, by in made]
+    heads = [Measured(learned, bare, source, seed, methods, by) for learned, by in made]
     if relief and name == THREE:
         started = time.perf_counter()
         maps = three_maps(relief.colours, embeddings, source, seed)
@@ -320,9 +320,9 @@ def write_run(
         shares = beside(heads[0], heads[1], maps)
     else:
         cost = sum(run.seconds for run in heads), sum(run.method.parameters for run in heads)
-        shares, *colours = (one.shares() for one in heads)
+        shares, *colours = (head.shares() for head in heads)
         for rung, drawn in shares.items() if colours else ():
-            logs = (torch.from_numpy(one).log() for one in (drawn, colours[0][as_much(rung)]))
+            logs = (torch.from_numpy(rows).log() for rows in (drawn, colours[0][as_much(rung)]))
             shares[rung] = fused_logs("product", *logs).exp().numpy()
     place = kept(out, name, source, seed)
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -385,8 +385,8 @@ def average(out: Path, names: Sequence[str], sources: Sequence[str]) -> None:
     """Add a line for the mean of all heads of each method and source, where each source has
     several.
     """
-    have = [one for one in lines(out, FORMAT) if "method" in one]
-    there = {(one["method"], one["source"], one["heads"]) for one in have}
+    have = [line for line in lines(out, FORMAT) if "method" in line]
+    there = {(line["method"], line["source"], line["heads"]) for line in have}
     for name in names:
         seeds = {
             s: sorted(r["seed"] for r in have if (r["method"], r["source"]) == (name, s))
@@ -397,9 +397,9 @@ def average(out: Path, names: Sequence[str], sources: Sequence[str]) -> None:
             if (f"{name}_mean", source, number) in there:
                 continue
             files = [np.load(kept(out, name, source, seed)) for seed in seeds[source][:number]]
-            rungs = [r for r in UNKNOWN if all(r in one.files for one in files)]
+            rungs = [r for r in UNKNOWN if all(r in file.files for file in files)]
             answers = {
-                r: letters_of(np.mean([one[r].astype(np.float32) for one in files], axis=0))
+                r: letters_of(np.mean([file[r].astype(np.float32) for file in files], axis=0))
                 for r in rungs
             }
             line = {"method": f"{name}_mean", "source": source, "seed": 0, "heads": number}

@@ -323,7 +323,7 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         vis=rows(images("vis", photographed)),
         tac=rows(touches),
         filled=rows(clean),
-        relief=np.stack([np.nanmax(one[0], axis=0) for one in relief["touch"]], axis=1),
+        relief=np.stack([np.nanmax(vectors[0], axis=0) for vectors in relief["touch"]], axis=1),
         label=np.array([header.classes.index(unmet.material) for unmet in plan]),
         objects=tuple(unmet.object for unmet in plan),
         looks_like=tuple(unmet.looks_like for unmet in plan),

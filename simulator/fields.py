@@ -22,7 +22,10 @@ def lifted(function: Callable[..., Array]) -> "Callable[..., Field]":
     def of_fields(*arguments: Any) -> "Field":
         return Field(
             lambda x, y: function(
-                *(one(x, y) if isinstance(one, Field) else one for one in arguments)
+                *(
+                    argument(x, y) if isinstance(argument, Field) else argument
+                    for argument in arguments
+                )
             )
         )
 

@@ -83,7 +83,7 @@ def ladder(resources: Resources) -> Reply:
 
         where, rungs = resources.where, {row["id"] for row in RUNGS if known_of(row)}
         kept = None if resources.drawn() else kept_ladder(where.head, where.embeddings)
-        if kept and {one["rung"] for one in kept["rungs"]} >= rungs:
+        if kept and {row["rung"] for row in kept["rungs"]} >= rungs:
             return kept
         return ladder(resources.head(), resources.embeddings())
 
@@ -119,9 +119,9 @@ def known(resources: Resources, question: Question) -> Reply:
                 f"No test pair {where} is of a class that the head learned: {some}{more}."
             )
         shares = {
-            one["domain"]: one["scores"]["fused"]["accuracy"]
-            for one in found["domains"]
-            if one["scores"] and (home or not one["is_source"])
+            domain["domain"]: domain["scores"]["fused"]["accuracy"]
+            for domain in found["domains"]
+            if domain["scores"] and (home or not domain["is_source"])
         }
         return {**{name: found[name] for name in TOLD}, "domains": shares}
 

@@ -82,17 +82,17 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
         images = {key: part[key] for key in IMAGE_KEYS if isinstance(part, dict) and key in part}
         for key, value in images.items():
             many = isinstance(value, list)
-            images[key] = [embedded(one) for one in value] if many else embedded(value)
+            images[key] = [embedded(part) for part in value] if many else embedded(value)
         return {**part, **images} if images else part
 
     whole = {**filled(question)}
     for key in ("pairs", "lessons"):
         if isinstance(question.get(key), list):
-            whole[key] = [filled(one) for one in question[key]]
+            whole[key] = [filled(part) for part in question[key]]
     try:
         reply = work(resources, whole)
     except DataError as error:
-        if not any(one and "problem" in one for one in read):
+        if not any(part and "problem" in part for part in read):
             raise
         reply = {"problem": str(error)}
     if isinstance(reply, InTwo):
@@ -146,14 +146,16 @@ def live(resources: Resources, question: Question) -> Reply:
 
     modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
     given = dict(zip(IMAGES if modality == BOTH else (modality,), files_in(question), strict=False))
-    encoders = {one: resources.reader(one, lamps_in(resources, question)) for one in given}
+    encoders = {
+        modality: resources.reader(modality, lamps_in(resources, question)) for modality in given
+    }
     with torch.inference_mode():
         pixels = {
-            one: encoders[one].preprocess(decoded(resources, part, question, one))
-            for one, part in given.items()
+            modality: encoders[modality].preprocess(decoded(resources, part, question, modality))
+            for modality, part in given.items()
         }
         began = perf_counter()
-        rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
+        rows = {modality: encoders[modality].embed(some[None]) for modality, some in pixels.items()}
         embedded = perf_counter()
     named = pair_request(resources, question, rows)
     found = predict_one(named)
@@ -179,11 +181,11 @@ def occlusion(resources: Resources, question: Question) -> Reply:
     modality = one_of("modality", question.get("modality"), OTHER)
     image = decoded(resources, files_in(question)[0], question, modality)
     image.thumbnail((SIDE, SIDE))
-    whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
+    whole, mean = (torch.from_numpy(np.array(picture)) for picture in (image, image.resize((1, 1))))
     shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]
     encoder = resources.reader(modality, lamps_in(resources, question))
     with torch.inference_mode():
-        pixels = [encoder.preprocess(one) for one in shown]
+        pixels = [encoder.preprocess(picture) for picture in shown]
         parts = []
         for few in torch.stack(pixels).split(AT_ONCE):
             checkpoint()

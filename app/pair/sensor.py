@@ -55,7 +55,7 @@ def profile(resources: Resources, question: Question) -> Reply:
     gel = None if before or given["vis"] else _lamps(resources, question)
     relit = gel if resources.touch != TOUCH[0] else None  # they were read before it was known
     for name, some in given.items():
-        pictures = [one for one in some if not str(one).startswith("unread:")]
+        pictures = [picture for picture in some if not str(picture).startswith("unread:")]
         refs = [ref for ref in map(ref_from, pictures) if ref]
         if relit and name == "tac":
             taken = _readable(question, lambda file: resources.take_image(file, "", mend, relit))
@@ -65,7 +65,8 @@ def profile(resources: Resources, question: Question) -> Reply:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
     if not channels:
-        ref_from(next(one for some in given.values() for one in some))  # why it cannot be read
+        # raises the reason why the first cannot be read
+        ref_from(next(picture for some in given.values() for picture in some))
     made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way_in(mend), lamps=gel)
     kept = _kept(resources, replace(before, channels=channels) if before else made)
     return {**kept, "mend": mend}
@@ -125,7 +126,10 @@ def from_the_start(resources: Resources) -> Reply:
 def _kept(resources: Resources, profile: "Profile") -> Reply:
     from omnivat.data.relief.files import TOUCH, packed
 
-    parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
+    parts = [
+        (channel.mean.tobytes(), channel.variance.tobytes())
+        for channel in profile.channels.values()
+    ]
     lamps = packed(profile.lamps) if profile.lamps else ""
     rest = (profile.domain, profile.step, profile.way, lamps)
     name = content_name(repr([profile.counts, *parts, rest]).encode())

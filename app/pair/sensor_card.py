@@ -50,14 +50,14 @@ def card(resources: Resources, question: Question) -> Reply:
     if len(cards) == 2:
         changes = [
             {
-                "part": one.part,
-                "evidence": one.evidence,
-                "cost": cost_of(one.part),
-                "mend": one.way or (FILL if one.part == "dots" and not fills else ""),
-                "profile": not one.way and one.part not in ("dots", "scale"),
-                "remedy": FILLS if one.part == "dots" and fills else one.remedy,
+                "part": change.part,
+                "evidence": change.evidence,
+                "cost": cost_of(change.part),
+                "mend": change.way or (FILL if change.part == "dots" and not fills else ""),
+                "profile": not change.way and change.part not in ("dots", "scale"),
+                "remedy": FILLS if change.part == "dots" and fills else change.remedy,
             }
-            for one in changes_between(cards[1], cards[0])
+            for change in changes_between(cards[1], cards[0])
         ]
     return {"cards": [_drawn(one) for one in cards], "changes": changes, "gels": GELS}
 

@@ -45,7 +45,7 @@ def answered(resources: Resources, question: Question) -> Reply | InTwo:
     of it, or the `problem` of a part.
     """
     wanted = question.get("with") or []
-    if not isinstance(wanted, list) or any(str(one) not in PARTS for one in wanted):
+    if not isinstance(wanted, list) or any(str(name) not in PARTS for name in wanted):
         raise DataError(f"with has to be a list of {', '.join(PARTS)}.")
     reply = predicted(resources, question)
     names = [name for name in PARTS if name in wanted and (name != "moving" or reply["linear"])]
@@ -126,16 +126,16 @@ def many(resources: Resources, question: Question) -> Reply:
     Raises DataError for another number of pairs, ForgottenError for a profile that is not kept.
     """
     given = question.get("pairs")
-    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+    if not isinstance(given, list) or not all(isinstance(request, dict) for request in given):
         raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
     if not 0 < len(given) <= MOST_AT_ONCE:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
     head, _ = reader_of(resources, question)
 
-    def read(one: Question) -> Reply:
-        return predict_one(pair_request(resources, within(question, one)))
+    def read(request: Question) -> Reply:
+        return predict_one(pair_request(resources, within(question, request)))
 
-    found = [_quietly(read, one) for one in given]
+    found = [_quietly(read, request) for request in given]
     return {"classes": list(head.settings.classes), "pairs": found}
 
 
@@ -190,8 +190,8 @@ def at_orders(
     """Return the head's output for one pair at P orders, in one batch."""
     import torch
 
-    one = model.coefficients(pair["vis"], pair["tac"])
-    many = one[torch.zeros(len(orders), dtype=torch.long)]
+    kept = model.coefficients(pair["vis"], pair["tac"])
+    many = kept[torch.zeros(len(orders), dtype=torch.long)]
     return model.from_coefficients(many, torch.tensor(orders), attention=attention)
 
 
@@ -216,7 +216,7 @@ def attention(resources: Resources, question: Question) -> Reply:
     weights = torch.stack(list(found.values()))
     count = weights.shape[-1]
     coded, scale = from_even(weights, 1 / count)
-    off = {n: base64.b64encode(one.numpy()).decode() for n, one in zip(found, coded, strict=True)}
+    off = {n: base64.b64encode(part.numpy()).decode() for n, part in zip(found, coded, strict=True)}
     return {"count": dict.fromkeys(found, count), "off": off, "scale": float(scale)}
 
 

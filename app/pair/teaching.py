@@ -64,18 +64,20 @@ def own_set(resources: Resources, question: Question) -> "Embeddings":
 
     from omnivat.data.store import ROW_NAMES, Embeddings, Header
 
-    whole = [one for one in lessons_in(question) if one.get("vis") and one.get("tac")]
+    whole = [lesson for lesson in lessons_in(question) if lesson.get("vis") and lesson.get("tac")]
     if not whole:
         raise DataError(
             "A set needs pairs of both images; label at least one photo with its touch."
         )
     # as they come: a profile is a file of its own
     lessons, _ = lessons_of(resources, {"lessons": whole})
-    labels = [one.label for one in lessons]
+    labels = [lesson.label for lesson in lessons]
     classes = tuple(dict.fromkeys(labels))
     encoder = resources.head().encoder
     objects = [f"{DOMAIN}/{label}/{number}" for number, label in enumerate(labels)]
-    files = {modality: [f"{one}_{modality}.png" for one in objects] for modality in ("vis", "tac")}
+    files = {
+        modality: [f"{object}_{modality}.png" for object in objects] for modality in ("vis", "tac")
+    }
     return Embeddings(
         header=Header(
             encoder=encoder["name"],
@@ -85,8 +87,8 @@ def own_set(resources: Resources, question: Question) -> "Embeddings":
             classes=classes,
             origin="labelled by a visitor of the page",
         ),
-        vis=np.concatenate([one.vis.numpy() for one in lessons if one.vis is not None]),
-        tac=np.concatenate([one.tac.numpy() for one in lessons if one.tac is not None]),
+        vis=np.concatenate([lesson.vis.numpy() for lesson in lessons if lesson.vis is not None]),
+        tac=np.concatenate([lesson.tac.numpy() for lesson in lessons if lesson.tac is not None]),
         domain=np.zeros(len(whole), dtype=np.int64),
         label=np.array([classes.index(label) for label in labels], dtype=np.int64),
         rows={name: [""] * len(whole) for name in ROW_NAMES} | {"object": objects} | files,

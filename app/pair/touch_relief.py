@@ -78,4 +78,4 @@ def drawn(name: str, heights: Any, slopes: Any, theme: str) -> list[Any]:
     shown[0].update_scenes(xaxis=bare, yaxis=bare, zaxis=bare, camera={"eye": near})
     shown[0].update_layout(height=360, margin={"l": 0, "r": 0, "t": 40, "b": 0})
     template = "omnivat_dark" if theme == "dark" else "omnivat"
-    return [json.loads(one.update_layout(template=template).to_json()) for one in shown]
+    return [json.loads(figure.update_layout(template=template).to_json()) for figure in shown]

@@ -69,9 +69,9 @@ def embedding_facts(resources: Resources) -> Reply:
 def without_nan(value: Any) -> Any:
     """Return a record with None for NaN, which JSON lacks."""
     if isinstance(value, dict):
-        return {key: without_nan(one) for key, one in value.items()}
+        return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [without_nan(one) for one in value]
+        return [without_nan(item) for item in value]
     return None if isinstance(value, float) and not isfinite(value) else value
 
 

@@ -193,7 +193,7 @@ def refused(scope: Scope, rules: Rules) -> str:
     opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in ("GET", "HEAD")
     foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
     # browsers send it with any method
-    if foreign or any(_place(one) != _place(f"http://{host}") for one in origins):
+    if foreign or any(_place(origin) != _place(f"http://{host}") for origin in origins):
         return "A page of another site may not use this server; open the page itself."
     return ""
 
@@ -206,7 +206,9 @@ async def alone(app: Any) -> AsyncIterator[None]:
     from gradio.route_utils import CustomCORSMiddleware
 
     app.user_middleware = [
-        one for one in app.user_middleware if one.cls is not CustomCORSMiddleware
+        middleware
+        for middleware in app.user_middleware
+        if middleware.cls is not CustomCORSMiddleware
     ]
     app.middleware_stack = app.build_middleware_stack()
     yield

@@ -105,16 +105,17 @@ def free_port(host: str, port: int | None) -> int:
             " reached by others."
         ) from error
     why = ""
-    for one in [port] if port else PORTS:
+    for candidate in [port] if port else PORTS:
         with socket.socket(family, socket.SOCK_STREAM) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
-                probe.bind((place[0], one, *place[2:]))
-                return one
+                probe.bind((place[0], candidate, *place[2:]))
+                return candidate
             except OSError as error:
                 why = error.strerror or str(error)
                 if error.errno != errno.EADDRINUSE:
                     break
     raise SettingsError(
-        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another --host or --port."
+        f"Nothing can listen on '{host:.80}', port {candidate} ({why}); choose another --host"
+        " or --port."
     )

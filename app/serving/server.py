@@ -153,8 +153,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     if text := warning(chosen.host, chosen.port):
         print(text, file=sys.stderr, flush=True)
-    for one in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
-        signal.signal(one, signal.default_int_handler)  # ends like Ctrl+C, with all clean-up
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+        signal.signal(number, signal.default_int_handler)  # ends like Ctrl+C, with all clean-up
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
     where = replace(where, drawn=chosen.sample, profile=chosen.profile)

@@ -64,7 +64,7 @@ def looked_at(named: PairRequest) -> dict[str, Reply]:
     if named.known is None:
         return {}
     looks = named.known.look(named.before["vis"], named.before["tac"])[0]
-    return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in looks.items()}
+    return {name: {**look, "guess": look["quantile"] < UNLIKE} for name, look in looks.items()}
 
 
 def predict_one(named: PairRequest) -> Reply:

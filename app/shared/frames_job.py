@@ -151,8 +151,13 @@ class FramesJob:
 
             sets = {"the page's set": pairs, self._name: load_embeddings(beside[0])}
             both = {
-                name: Features(embeddings=one, modalities=IMAGES, labelled=True, drawn_of=len(one))
-                for name, one in sets.items()
+                name: Features(
+                    embeddings=embeddings,
+                    modalities=IMAGES,
+                    labelled=True,
+                    drawn_of=len(embeddings),
+                )
+                for name, embeddings in sets.items()
             }
             pairs = matched(both)[self._name].embeddings
             head.require_embeddings(pairs)

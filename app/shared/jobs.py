@@ -71,8 +71,8 @@ class Lane:
     def let_in(self) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         for job in self.in_order():
-            first = job.priority <= 0 < min((one.priority for one in self.running), default=0)
-            visitors = {one.visitor for one in self.running}
+            first = job.priority <= 0 < min((job.priority for job in self.running), default=0)
+            visitors = {job.visitor for job in self.running}
             guest = len(visitors) == 1 and job.visitor not in visitors
             more = self._slots > 1 and (first or guest)
             if len(self.running) >= self._slots + more:
@@ -123,7 +123,7 @@ class Job(Generic[T]):
                 raise BusyError(
                     "This took longer than allowed and was stopped; try something smaller."
                 )
-            better = any(one.priority < self.priority for one in self.lane.waiting)
+            better = any(other.priority < self.priority for other in self.lane.waiting)
             if better and not self.cancelled and self.lane.in_order(self)[0] is not self:
                 self.left_s -= spent
                 self.lane.running.remove(self)

@@ -65,7 +65,7 @@ def modes(resources: Resources, among: Container[str] | None = None) -> Reply:
     shown = resources.where.embeddings.resolve()
     sets = []
     listed = shipped_sets()
-    for name in listed if among is None else [one for one in listed if one in among]:
+    for name in listed if among is None else [mode for mode in listed if mode in among]:
         (folder, embeddings), title = listed[name], SETS.get(name, name)
         curve = _curve(folder, title)
         sets.append(

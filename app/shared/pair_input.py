@@ -144,7 +144,7 @@ def lessons_in(question: Question) -> Sequence[Question]:
     anything else.
     """
     labelled = question.get("lessons") or []
-    if not isinstance(labelled, list) or not all(isinstance(one, dict) for one in labelled):
+    if not isinstance(labelled, list) or not all(isinstance(lesson, dict) for lesson in labelled):
         raise DataError("lessons has to be a list of pairs with a label each.")
     if len(labelled) > MOST_LESSONS:
         raise DataError(
@@ -173,9 +173,9 @@ def lessons_of(resources: Resources, question: Question) -> "tuple[list[Lesson],
 
     before: list[Lesson] = []
     after: list[Lesson] = []
-    for one in lessons_in(question):
-        label = one["label"].strip()
-        _, *pairs = pair_of(resources, within(question, one))
+    for lesson in lessons_in(question):
+        label = lesson["label"].strip()
+        _, *pairs = pair_of(resources, within(question, lesson))
         for lessons, pair in zip((before, after), pairs, strict=True):
             lessons.append(Lesson(label=label, vis=pair["vis"], tac=pair["tac"]))
     return before, after
@@ -194,7 +194,7 @@ def _known(lessons: "Sequence[Lesson]", head: "Head") -> "Familiarity | None":
 
     rows, quantiles = {}, {}
     for name in IMAGES:
-        pictures = [one for lesson in lessons if (one := getattr(lesson, name)) is not None]
+        pictures = [image for lesson in lessons if (image := getattr(lesson, name)) is not None]
         if len(pictures) > 1:
             rows[name] = own = torch.cat(pictures)
             owner = torch.arange(len(own))

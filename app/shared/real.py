@@ -42,7 +42,7 @@ class RealPairs:
             sets.setdefault(found["name"], found)
             files |= {name: (file, bool(found["licence"])) for name, file in pictures.items()}
         self._files = files
-        seen = [one for one in sets.values() if local or one["licence"]]
+        seen = [entry for entry in sets.values() if local or entry["licence"]]
         return {"local": local, "sets": seen, "left_out": left_out if local else []}
 
     def picture(self, name: str, *, local: bool) -> Path:

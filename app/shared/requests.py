@@ -99,7 +99,7 @@ async def asked(request: Request, scratch: Scratch) -> AsyncIterator[Callable[[]
     sizes = request.query_params.get("sizes", "")
     length = request.headers.get("content-length", "")[:20]
     if not sizes and length.isdecimal() and int(length) <= SMALL_QUESTION_BYTES:
-        body = b"".join([one async for one in blocks(request, int(length), "The question")])
+        body = b"".join([block async for block in blocks(request, int(length), "The question")])
         yield lambda: question_from(body)
         return
     limit = MAX_PICTURES_BYTES if sizes else MAX_QUESTION_BYTES
@@ -119,7 +119,7 @@ def split(content: bytes, sizes: str, most: int) -> list[bytes]:
     """Return the parts of a body by their sizes, with commas; raises DataError if they are not all
     of it, or more than `most`.
     """
-    numbers = [int(one) if one.isdecimal() else 0 for one in sizes[: 9 * most].split(",")]
+    numbers = [int(size) if size.isdecimal() else 0 for size in sizes[: 9 * most].split(",")]
     if len(numbers) > most or not all(numbers) or sum(numbers) != len(content):
         raise DataError(
             f"sizes is '{sizes:.40}' for {len(content):,} bytes; give the bytes of each of at most"

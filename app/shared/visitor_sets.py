@@ -99,7 +99,7 @@ class VisitorSets:
         do not fit together.
         """
         parts, compare = question.get("parts"), question.get("compare") is True
-        if not isinstance(parts, dict) or not all(isinstance(one, str) for one in parts.values()):
+        if not isinstance(parts, dict) or not all(isinstance(part, str) for part in parts.values()):
             raise DataError("parts has to name the files that were sent; choose them again.")
         text = repr((sorted(parts.items()), beside.owner, compare))
         key = content_name(text.encode("utf-8", "backslashreplace"))

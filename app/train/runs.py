@@ -99,12 +99,12 @@ class Trainings:
         run = Run(plan=plan, words=in_words(plan, question), visitor=visitor)
         key = os.urandom(12).hex()
         with self._lock:
-            active = [one.visitor for one in self._runs.values() if one.active]
+            active = [run.visitor for run in self._runs.values() if run.active]
             if visitor in active:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
-            own = sum(one[0] == address for one in active)
+            own = sum(visitor[0] == address for visitor in active)
             if len(active) >= MOST_RUNS or own >= MOST_RUNS // 2:
                 full = len(active) >= MOST_RUNS
                 what = f"{MOST_RUNS} trainings" if full else f"{own} trainings of your address"

@@ -223,7 +223,7 @@ def _kept(record: Any) -> tuple[str, list[str]]:
     """Return a visitor's name and the names of its runs from what its browser kept."""
     found = record if isinstance(record, dict) else {}
     visitor, runs = found.get("visitor"), found.get("runs")
-    names = [one for one in runs if isinstance(one, str)] if isinstance(runs, list) else []
+    names = [name for name in runs if isinstance(name, str)] if isinstance(runs, list) else []
     return visitor if isinstance(visitor, str) else "", names
 
 

@@ -42,8 +42,8 @@ def standing(run: Run) -> str:
     else:
         words = f"Starting: {step.text if step else 'loading'}"
     lost = run.plan.left_out
-    one = "1 pair without a class is" if lost == 1 else f"{lost} pairs without a class are"
-    return f"{words}." + (f" {one} left out." if lost else "")
+    subject = "1 pair without a class is" if lost == 1 else f"{lost} pairs without a class are"
+    return f"{words}." + (f" {subject} left out." if lost else "")
 
 
 def status(sentence: str, run: Run | None = None, *, problem: bool = False) -> str:
@@ -128,7 +128,7 @@ def _compared(runs: Sequence[Run]) -> str:
 
 def _newest(run: Run, name: str) -> Any:
     """Return the newest value of a measure; None without any."""
-    found: Sequence[Mapping[str, Any]] = [one for one in run.epochs if name in one]
+    found: Sequence[Mapping[str, Any]] = [epoch for epoch in run.epochs if name in epoch]
     return found[-1][name] if found else None
 
 

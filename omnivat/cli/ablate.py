@@ -58,15 +58,15 @@ def planned_rows(
     for seed in seeds:
         for table in tables.values():
             for source in table.sources:
-                for row, one in table.rows.items():
-                    ours = one.base == HEAD
+                for row, record in table.rows.items():
+                    ours = record.base == HEAD
                     method = Method(
                         name=method_name(row),
-                        label=one.label,
-                        base=one.base,
-                        head={**head, **one.head} if ours else {},
-                        train={**training, **one.train} if ours else {},
-                        modalities=one.modalities,
+                        label=record.label,
+                        base=record.base,
+                        head={**head, **record.head} if ours else {},
+                        train={**training, **record.train} if ours else {},
+                        modalities=record.modalities,
                     )
                     runs[row, source, seed] = Run(method=method, source=source, seed=seed)
     return list(runs.values())

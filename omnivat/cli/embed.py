@@ -153,7 +153,8 @@ def touch_lines(header: "Header") -> list[str]:
         *(f"{name}: touch is read with {options_of(way)}." for name, way in header.tac_way.items()),
         *([] if lit else [f"Touch is read {reading_of(touch, None)}."]),
         *(
-            f"{name}: touch is read {reading_of(touch, one)}." + f" {one}" * isinstance(one, str)
-            for name, one in lit
+            f"{name}: touch is read {reading_of(touch, reading)}."
+            + f" {reading}" * isinstance(reading, str)
+            for name, reading in lit
         ),
     ]

@@ -44,12 +44,16 @@ def listing() -> str:
     from omnivat.data.fetching import fetched_sets
 
     blocks = []
-    for one in fetched_sets().values():
-        size = f"{one.megabytes / 1000:.3g} GB" if one.megabytes >= 1000 else f"{one.megabytes} MB"
-        pairs = f"{one.pairs:,} pairs, " if one.pairs else ""
+    for entry in fetched_sets().values():
+        size = (
+            f"{entry.megabytes / 1000:.3g} GB"
+            if entry.megabytes >= 1000
+            else f"{entry.megabytes} MB"
+        )
+        pairs = f"{entry.pairs:,} pairs, " if entry.pairs else ""
         blocks.append(
-            f"{one.name}  {one.sensor}; {pairs}{size}\n    {one.what}\n    terms: {one.said}\n   "
-            f" {one.source} at {one.commit[:7]}"
+            f"{entry.name}  {entry.sensor}; {pairs}{size}\n    {entry.what}\n"
+            f"    terms: {entry.said}\n    {entry.source} at {entry.commit[:7]}"
         )
     note = (
         "Nothing of them is part of this project. `fetch NAME` brings one from its authors, with"

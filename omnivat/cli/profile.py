@@ -85,12 +85,14 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
     way = ways_in(options.flip, options.channels, [""]).get("", "")
     if way:
-        found = [replace(one, way=way) if one.modality == "tac" else one for one in found]
+        found = [
+            replace(picture, way=way) if picture.modality == "tac" else picture for picture in found
+        ]
     encoder = load_encoder(
         options.encoder, **passed(options, "weights", "device", "download", "dots", "touch")
     )
     with progress_bar(f"embed with {encoder.name}") as show:
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
-    for one in skipped:
-        print(f"skipped {one.what}: {one.why}", file=sys.stderr)
+    for missing in skipped:
+        print(f"skipped {missing.what}: {missing.why}", file=sys.stderr)
     return replace(profile, way=way)

@@ -49,8 +49,10 @@ def run(options: argparse.Namespace) -> None:
     )
     measured = predicted_numbers(found, options.target) if options.target else []
     more = [
-        record(options.target, one["title"], one["value"], low=one["low"], high=one["high"])
-        for one in measured
+        record(
+            options.target, result["title"], result["value"], low=result["low"], high=result["high"]
+        )
+        for result in measured
     ]
     with progress_bar("report") as show:
         files = write_report(found, options.out, seed=options.seed, more=more, on_step=show)

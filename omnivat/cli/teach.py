@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
         "before": report.before if report else None,
         "after": report.after if report else None,
         "share": round(found.provenance["head_share"], 4),
-        "held_out": [{name: getattr(one, name) for name in columns} for one in tested],
+        "held_out": [{name: getattr(lesson, name) for name in columns} for lesson in tested],
         "curve": asdict(labels) if labels else None,
         "classes": list(found.settings.classes),
         "out": str(options.out),
@@ -84,5 +84,5 @@ def run(options: argparse.Namespace) -> None:
         return print(f"{pairs} pairs; not tested. {why}\n{out}")
     print(f"right before {record['before']}, after {record['after']} of {pairs}, each left out")
     print(f"  weight of the head's own prediction: {record['share']:.2f}")
-    shares = ", ".join(f"{one.objects}: {100 * one.right:.0f} %" for one in labels.points)
+    shares = ", ".join(f"{point.objects}: {100 * point.right:.0f} %" for point in labels.points)
     print(f"right by labelled objects of a class: {shares}\n  {labels.words}\n{out}")

@@ -212,7 +212,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     how |= {"lamps": lamps_in(options.lamps, pairs.domains())}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(pairs, encoder, out / SET, **how, on_step=show)
-    notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
+    notes = [f"Skipped {skip.what}: {skip.why}" for skip in report.skipped]
     embeddings = load_embeddings(out / SET)
     files = [pair.vis.absolute() for pair in pairs.pairs]
     root = start_of(options.pairs, embeddings.rows["vis"], files)

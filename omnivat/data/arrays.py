@@ -49,25 +49,25 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
     table: dict[str, Any] = {"__metadata__": dict(metadata)}
     # Widest numbers first, so that every array starts at a multiple of its own width.
     order, end = sorted(columns.items(), key=lambda item: -item[1].dtype.itemsize), 0
-    for name, one in order:
-        start, end = end, end + one.dtype.itemsize * int(np.prod(one.shape, dtype=np.int64))
+    for name, entry in order:
+        start, end = end, end + entry.dtype.itemsize * int(np.prod(entry.shape, dtype=np.int64))
         table[name] = {
-            "dtype": NAMES[one.dtype.name],
-            "shape": list(one.shape),
+            "dtype": NAMES[entry.dtype.name],
+            "shape": list(entry.shape),
             "data_offsets": [start, end],
         }
     head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 8)
     with path.open("wb") as handle:
         handle.write(len(head).to_bytes(8, "little") + head)
-        for name, one in order:
+        for name, entry in order:
             start, end = table[name]["data_offsets"]
-            for block in one.blocks:
+            for block in entry.blocks:
                 start += handle.write(
-                    block.astype(one.dtype.newbyteorder("<"), copy=False).tobytes()
+                    block.astype(entry.dtype.newbyteorder("<"), copy=False).tobytes()
                 )
             if start != end:
-                raise ValueError(f"{name} has {end - start} bytes less than {one.shape} needs")
+                raise ValueError(f"{name} has {end - start} bytes less than {entry.shape} needs")
 
 
 def read_arrays(

@@ -94,7 +94,7 @@ def _npz(place: Path) -> Columns:
         return array
 
     with zipfile.ZipFile(place) as archive:
-        stated = max((one.file_size for one in archive.infolist()), default=0)
+        stated = max((member.file_size for member in archive.infolist()), default=0)
     if stated > MEMORY + GROWTH * place.stat().st_size:
         raise DataError(
             f"'{place}' states an array of {stated / 1e9:.0f} GB, far more than its own size; save"

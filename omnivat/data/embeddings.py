@@ -52,7 +52,7 @@ class Header:
     def lit_by(self) -> dict[str, int]:
         """Domain -> touches that gave the lamps of its relief: what was known of it."""
         lit = self.lamps.items()
-        return {name: one.pictures for name, one in lit if not isinstance(one, str)}
+        return {name: lamps.pictures for name, lamps in lit if not isinstance(lamps, str)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

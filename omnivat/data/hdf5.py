@@ -76,22 +76,22 @@ def part(
         found: dict[str, Any] = {}
         attributes = {"": _attributes(handle)}
 
-        def visit(name: str, one: Any) -> None:
-            attributes[name] = _attributes(one)
-            if hasattr(one, "dtype"):
-                inner = h5py.check_vlen_dtype(one.dtype) or one.dtype
-                found[name] = one.shape or (), one.dtype.str, bool(inner == np.uint8)
+        def visit(name: str, item: Any) -> None:
+            attributes[name] = _attributes(item)
+            if hasattr(item, "dtype"):
+                inner = h5py.check_vlen_dtype(item.dtype) or item.dtype
+                found[name] = item.shape or (), item.dtype.str, bool(inner == np.uint8)
 
         handle.visititems(visit)
         filled = {name: own for name, own in attributes.items() if own}
         return {"arrays": found, "attributes": filled}, b""
 
 
-def _attributes(one: Any) -> dict[str, Any]:
+def _attributes(item: Any) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name in one.attrs:
+    for name in item.attrs:
         with suppress(Exception):  # of a type that h5py lacks
-            value = np.asarray(one.attrs[name])
+            value = np.asarray(item.attrs[name])
             plain = value.reshape(-1)[0].item() if value.size == 1 else []
             if isinstance(plain, bytes):
                 plain = plain.decode(errors="replace")
@@ -101,7 +101,7 @@ def _attributes(one: Any) -> dict[str, Any]:
 
 def _values(h5py: Any, own: Any, where: tuple[int, ...]) -> tuple[dict[str, Any], bytes]:
     if names := h5py.check_enum_dtype(own.dtype):
-        by_number = {number: one for one, number in names.items()}
+        by_number = {number: label for label, number in names.items()}
         return {"texts": np.vectorize(lambda k: by_number.get(k, ""))(own[where]).tolist()}, b""
     if h5py.check_string_dtype(own.dtype):
         texts = own.asstr()[where]

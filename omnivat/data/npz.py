@@ -26,7 +26,7 @@ def read_npz(file: Path, most: int) -> dict[str, NDArray[Any]]:
     require_regular(file)
     try:
         with ZipFile(file) as archive:
-            if sum(one.file_size for one in archive.infolist()) > most:
+            if sum(member.file_size for member in archive.infolist()) > most:
                 raise ValueError(f"its arrays have over {most / 1e6:.0f} MB")
             names = archive.namelist()
             return {name.removesuffix(".npy"): _array(archive.read(name)) for name in names}

@@ -166,8 +166,8 @@ def _reasons(pairs: PairSet) -> list[list[str]]:
     rows = []
     for why, group in by_reason.items():
         more = [f"and {len(group) - NAMED} more"] if len(group) > NAMED else []
-        named = "; ".join([*(one.what for one in group[:NAMED]), *more])
-        rows.append([str(sum(one.count for one in group)), why, named])
+        named = "; ".join([*(skip.what for skip in group[:NAMED]), *more])
+        rows.append([str(sum(skip.count for skip in group)), why, named])
     return rows
 
 

@@ -87,7 +87,7 @@ def read_paper_sets(root: Path) -> PaperSets:
     places = find_paper_sets(root)
     parts = {name: read_pairs(place, reader=name) for name, place in places.items()}
     pairs = tuple(pair for part in parts.values() for pair in part.pairs)
-    skipped = tuple(one for part in parts.values() for one in part.skipped)
+    skipped = tuple(skip for part in parts.values() for skip in part.skipped)
     origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())
     return PaperSets(
         places=places, parts=parts, pairs=PairSet(pairs=pairs, skipped=skipped, origin=origin)

@@ -141,7 +141,7 @@ def _pictures(file: str, name: str) -> dict[str, Any]:
 
         def first() -> list[Any]:
             cells = _chunk(handle, 0, name)[:1].to_pylist() if len(starts) > 1 else []
-            return [one for cell in cells for one in (cell if listed else [cell])]
+            return [value for cell in cells for value in (cell if listed else [cell])]
 
         if not _holds_pictures(item, depth - listed, first):
             return {}
@@ -218,7 +218,7 @@ def _values(column: Any, name: str) -> NDArray[Any]:
         if any(isinstance(cell, (dict, list)) for cell in cells[:1]):
             raise ValueError(f"it has no numbers or texts in {name}")
         return np.array(cells)
-    lengths = [one or 0 for one in compute.list_value_length(column).to_pylist()]
+    lengths = [length or 0 for length in compute.list_value_length(column).to_pylist()]
     first = next((row for row, length in enumerate(lengths) if length), 0)
     for row, length in enumerate(lengths):
         if length != lengths[first]:

@@ -62,7 +62,7 @@ class Profile:
     way: str = ""
 
     def __post_init__(self) -> None:
-        if len({len(one.mean) for one in self.channels.values()}) != 1:
+        if len({len(channel.mean) for channel in self.channels.values()}) != 1:
             raise DataError("A profile needs one modality or two of equal width.")
 
     @property
@@ -82,13 +82,15 @@ class Profile:
             nothing = np.zeros_like(self.relief.mean)
             beside = {"vis": replace(self.relief, mean=nothing, variance=nothing)}
             beside["tac"] = self.relief
-            channels = {name: wide(one, beside[name]) for name, one in self.channels.items()}
+            channels = {
+                name: wide(channel, beside[name]) for name, channel in self.channels.items()
+            }
         return replace(self, channels=channels, key=key, relief=None)
 
     @property
     def counts(self) -> dict[str, int]:
         """Number of pictures by modality."""
-        return {name: one.count for name, one in self.channels.items()}
+        return {name: channel.count for name, channel in self.channels.items()}
 
 
 def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels:
@@ -121,7 +123,7 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
 def wide(first: Channels, other: Channels) -> Channels:
     """Return the statistics of embeddings side by side, of the pictures of the first."""
     mean, variance = (
-        np.concatenate([getattr(one, name) for one in (first, other)])
+        np.concatenate([getattr(side, name) for side in (first, other)])
         for name in ("mean", "variance")
     )
     return replace(first, mean=mean, variance=variance)
@@ -139,7 +141,7 @@ def joined(first: Channels, other: Channels) -> Channels:
     count = first.count + other.count
     share = other.count / count
     (mean, other_mean), (variance, other_variance) = (
-        [getattr(one, name).astype(np.float64) for one in (first, other)]
+        [getattr(side, name).astype(np.float64) for side in (first, other)]
         for name in ("mean", "variance")
     )
     off = other_mean - mean

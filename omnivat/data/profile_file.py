@@ -34,9 +34,12 @@ def save_profile(file: str | Path, profile: Profile) -> None:
     header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain}
     columns: dict[str, Column] = {}
     relief = {"relief": profile.relief} if profile.relief else {}
-    for name, one in (profile.channels | relief).items():
-        columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
-        header[f"{name}_count"] = str(one.count)
+    for name, channel in (profile.channels | relief).items():
+        columns |= {
+            f"{name}_mean": column(channel.mean),
+            f"{name}_variance": column(channel.variance),
+        }
+        header[f"{name}_count"] = str(channel.count)
     header |= {"step": repr(profile.step)} if profile.step != 1 else {}
     header |= {"lamps": packed(profile.lamps)} if profile.lamps else {}
     header |= {"way": profile.way} if profile.way else {}
@@ -66,7 +69,7 @@ def load_profile(file: str | Path) -> Profile:
         kinds = (*IMAGES, "relief")
         channels = {n: _channels(arrays, metadata, n) for n in kinds if f"{n}_mean" in arrays}
         relief = channels.pop("relief", None)
-        if relief and {len(one.mean) for one in channels.values()} - {len(relief.mean)}:
+        if relief and {len(channel.mean) for channel in channels.values()} - {len(relief.mean)}:
             raise ValueError("its relief has another width")
         if not 0 <= (step := float(metadata.get("step", "1"))) <= 1:
             raise ValueError("its step is no share from 0 to 1")

@@ -262,8 +262,8 @@ def header_of(metadata: Mapping[str, str]) -> Header:
 
 def _texts_of(lamps: Mapping[str, Lamps | str]) -> dict[str, str]:
     """Return two entries of a header: lamps by domain, and reasons of domains without."""
-    kept = {name: one for name, one in lamps.items() if isinstance(one, str)}
-    lit = {name: packed(one) for name, one in lamps.items() if not isinstance(one, str)}
+    kept = {name: lamp for name, lamp in lamps.items() if isinstance(lamp, str)}
+    lit = {name: packed(lamp) for name, lamp in lamps.items() if not isinstance(lamp, str)}
     entries = {"lamps": lit, "kept": kept}
     return {name: json.dumps(entry) for name, entry in entries.items() if entry}
 

@@ -45,8 +45,10 @@ class PairEncoder:
 
         self.width = max(vis.width, tac.width)
         self.vis, self.tac = (
-            one if one.width == self.width else NamedEncoder(one, one.name, self.width)
-            for one in (vis, tac)
+            encoder
+            if encoder.width == self.width
+            else NamedEncoder(encoder, encoder.name, self.width)
+            for encoder in (vis, tac)
         )
         self.name = JOINED.join((vis.name, tac.name))
         self.weights_hash = JOINED.join((vis.weights_hash, tac.weights_hash))

@@ -58,7 +58,9 @@ class ClipState:
 def clip_state(weights: Weights) -> ClipState:
     """Return CLIP's weights under the names used here; no tower has any if this is not a CLIP."""
     # a text tower that is a module of its own
-    weights = weights.renamed({key.removeprefix("text."): one for key, one in weights.items()})
+    weights = weights.renamed(
+        {key.removeprefix("text."): tensor for key, tensor in weights.items()}
+    )
     resnet, scale = "visual.layer1.0.conv1.weight" in weights, weights.get("logit_scale")
     state = weights if _pick(weights, (*IMAGE, *TEXT)) else _renamed(weights)
     image = _pick(state, IMAGE)

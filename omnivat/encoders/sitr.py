@@ -140,7 +140,7 @@ def _calibration(folder: Path, number: int, side: int) -> tuple[Tensor, Tensor]:
             " (docs/encoders.md)."
         )
     rest, *pressed = [_raw(read_image(file), side) for file in wanted]
-    differences = [_normalised(one - rest) for one in pressed]
+    differences = [_normalised(press - rest) for press in pressed]
     return rest, torch.cat([*differences, torch.zeros(0, side, side)])[None]
 
 

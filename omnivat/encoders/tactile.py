@@ -102,12 +102,13 @@ def load_sparsh(
     network = Sparsh(state)
     of_torch(state).fill(network)
 
+    def upright(frame: Image.Image) -> Image.Image:
+        return frame.transpose(Image.Transpose.ROTATE_270) if frame.width > frame.height else frame
+
     def prepare(image: Image.Image, before: Image.Image | None = None) -> Tensor:
         newest, oldest = (
-            pixels(one.transpose(Image.Transpose.ROTATE_270) if one.width > one.height else one,
-                   *PLAIN, PORTRAIT)
-            for one in (image, before or image)
-        )  # fmt: skip
+            pixels(upright(frame), *PLAIN, PORTRAIT) for frame in (image, before or image)
+        )
         later = -(-network.frames // 2)
         return torch.cat([newest] * later + [oldest] * (network.frames - later))
 
@@ -239,8 +240,8 @@ def load_anytouch2(
         image: Image.Image, rest: Image.Image, sensor: str, before: Image.Image | None = None
     ) -> Tensor:
         oldest, newest = (
-            pixels(minus_rest(one, rest, offset=OFFSET), CLIP_MEAN, CLIP_STD)
-            for one in (before or image, image)
+            pixels(minus_rest(frame, rest, offset=OFFSET), CLIP_MEAN, CLIP_STD)
+            for frame in (before or image, image)
         )
         film = torch.cat([oldest] * (FRAMES // 2) + [newest] * (FRAMES // 2))
         return numbered(film, sensor, numbers, "AnyTouch 2")

@@ -85,7 +85,9 @@ def read_weights(place: Path, name: str, *marks: str) -> Weights:
     """
     file = weights_file(place, name)
     try:
-        state = {plain_name(key): value for one in _shards(file) for key, value in _content(one)}
+        state = {
+            plain_name(key): value for shard in _shards(file) for key, value in _content(shard)
+        }
         prefix = _prefix(state, marks)
         # Copied, because numbers in a mapped file may be unaligned, and the last digits of a
         # product depend on alignment.
@@ -117,9 +119,9 @@ def _prefix(state: Mapping[str, Tensor], marks: Sequence[str]) -> str:
     for mark in marks:
         pattern = re.compile(rf"((?:.*?\.)??){mark}")
         found = found or sorted({match[1] for key in state if (match := pattern.fullmatch(key))})
-    found = [one for one in found if "ema" not in re.split(r"[._]", one)] or found
+    found = [name for name in found if "ema" not in re.split(r"[._]", name)] or found
     if len(found) > 1:
-        names = " and ".join(f"'{one}'" for one in found[:3])
+        names = " and ".join(f"'{name}'" for name in found[:3])
         raise DataError(f"it holds several models, whose names begin with {names}")
     return "".join(found)
 
@@ -147,11 +149,11 @@ def _shards(file: Path) -> list[Path]:
     """Return the files that an index names, or the file."""
     if not file.name.endswith(INDEX):
         return [file]
-    named = {str(one) for one in read_object(file)["weight_map"].values()}
-    if outside := [one for one in named if Path(one).name != one]:
+    named = {str(name) for name in read_object(file)["weight_map"].values()}
+    if outside := [name for name in named if Path(name).name != name]:
         raise DataError(f"its index names a file of another folder, {outside[0]}")
-    shards = [file.with_name(one) for one in sorted(named)]
-    if absent := [one.name for one in shards if not one.is_file()]:
+    shards = [file.with_name(name) for name in sorted(named)]
+    if absent := [shard.name for shard in shards if not shard.is_file()]:
         raise DataError(f"{absent[0]} of its {len(shards)} shards is not there")
     return shards
 
@@ -161,7 +163,9 @@ def _content(file: Path) -> Iterator[tuple[str, Tensor]]:
         yield from load_file(file).items()
         return
     found, _ = read_tensors(b"", "it takes too much memory or time", file=str(file.absolute()))
-    floats = {name: one for name, one in found["tensors"].items() if one[0] in found["storages"]}
+    floats = {
+        name: tensor for name, tensor in found["tensors"].items() if tensor[0] in found["storages"]
+    }
     if sum(prod(size) for _, _, size, _ in floats.values()) > MOST * file.stat().st_size:
         raise DataError("its tensors have more cells than its bytes can hold")
     storages = {}

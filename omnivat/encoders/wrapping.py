@@ -296,7 +296,7 @@ class WithoutDots(NamedEncoder):
         made = []
         for look in looks:
             reads = {"before": look, "rest": self.cleaned}
-            more = {name: reads[name](one) for name, one in context.items() if name in reads}
+            more = {name: reads[name](value) for name, value in context.items() if name in reads}
             made.append(super().preprocess(look(image), **context | more))
         return torch.stack(made) if self.touch == "both" else made[0]
 
@@ -305,7 +305,7 @@ class WithoutDots(NamedEncoder):
         both.
         """
         looks = images.unbind(1) if self.touch == "both" else (images,)
-        return torch.cat([NamedEncoder.embed(self, one) for one in looks], 1)
+        return torch.cat([NamedEncoder.embed(self, look) for look in looks], 1)
 
     def drawn(self, image: Image.Image) -> Image.Image:
         """Return the image as the encoder sees it, of both its relief; the same object if nothing

@@ -82,7 +82,7 @@ def training_spec(
     panels = {
         words: series
         for words, series in TRAINING.items()
-        if any(known(one.get(key)) for one in epochs for key in series.values())
+        if any(known(epoch.get(key)) for epoch in epochs for key in series.values())
     }
     rows = max(1, -(-len(panels) // columns))
     wide, high = 0.16 / columns, 0.34 / rows  # between panels
@@ -98,7 +98,7 @@ def training_spec(
         share = words.startswith(("Accuracy", "Unseen"))
         text, top = [], 0.0
         for (name, of), colour in zip(series.items(), _colours(series), strict=False):
-            there = [(k, one[of]) for k, one in enumerate(epochs, 1) if known(one.get(of))]
+            there = [(k, epoch[of]) for k, epoch in enumerate(epochs, 1) if known(epoch.get(of))]
             xs, ys = [k for k, _ in there], [value for _, value in there]
             line = {"color": colour, "width": 2, "dash": "dash" if "test" in name else "solid"}
             drawn = {"type": "scatter", "mode": "lines" if len(xs) > 1 else "markers"}

@@ -53,7 +53,7 @@ def picture(figure: Any) -> Picture:
     keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
     planes = {key: _plane(figure, key, height) for key in keys}
     shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
-    shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
+    shapes += [s for shape in figure.layout.shapes for s in _marked(shape, planes)]
     for trace in figure.data:
         plane = planes[(trace.xaxis or "x")[1:]]
         shapes += _heat(trace, plane) if trace.type == "heatmap" else _scatter(trace, plane)
@@ -77,7 +77,7 @@ def _plane(figure: Any, key: str, height: float) -> Plane:
     left, right = (margin["l"] + share * inner[0] for share in across.domain or (0, 1))
     low, high = (margin["t"] + (1 - share) * inner[1] for share in up.domain or (0, 1))
     box = (left, right, low, high)
-    x, y = (tuple(map(float, one.range)) for one in (across, up))
+    x, y = (tuple(map(float, axis.range)) for axis in (across, up))
     if up.scaleanchor:  # one unit is as long in both directions
         unit = min((right - left) / (x[1] - x[0]), (low - high) / (y[1] - y[0]))
         box = (left, left + unit * (x[1] - x[0]), high + unit * (y[1] - y[0]), high)

@@ -84,9 +84,9 @@ def _taylor(square: Pair, first: int) -> Pair:
     for n in range(first + 24, first + 6, -2):
         tail = 1.0 - square.high / float(n * (n + 1)) * tail
     total = Pair(tail, 0 * tail)
-    one = Pair(np.ones_like(tail), 0 * tail)
+    unit = Pair(np.ones_like(tail), 0 * tail)
     for n in range(first + 6, first - 2, -2):
-        total = add(one, divide_by(multiply(square, total), -float(n * (n + 1))))
+        total = add(unit, divide_by(multiply(square, total), -float(n * (n + 1))))
     return settle(total)
 
 

@@ -76,7 +76,7 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
-        came, reads = (touch_of(one[2]) for one in (key, wanted))
+        came, reads = (touch_of(parts[2]) for parts in (key, wanted))
         if came != reads and unmarked(key[2]) == unmarked(wanted[2]) and key[:2] == wanted[:2]:
             raise DataError(
                 f"{what} are made with touch {TOUCHED[came]}, and this head was trained with touch"
@@ -84,7 +84,7 @@ class Head:
                 " fits."
             )
         for marker, made, *how in MADE:
-            bare, learned = ("".join(one).replace(marker, "") for one in (key, wanted))
+            bare, learned = ("".join(parts).replace(marker, "") for parts in (key, wanted))
             if key != wanted and bare == learned:
                 mine = marker in wanted[2]
                 others, own = ("without", "with") if mine else ("with", "without")
@@ -104,8 +104,8 @@ class Head:
         Raises DataError if the head lacks its source's profile, or a profile does not fit the set.
         """
         domains = embeddings.header.domains
-        read = [one.read_by(embeddings.header.key) for one in profiles]
-        owners = {domain_of(one, domains, self.source): one for one in read}
+        read = [profile.read_by(embeddings.header.key) for profile in profiles]
+        owners = {domain_of(profile, domains, self.source): profile for profile in read}
         return profiled(embeddings, owners, self.source_profile) if owners else embeddings
 
     @property

@@ -147,7 +147,7 @@ def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
     for name in ("logits", "alone", "f_bar", "f_hat", "attention", "frft", "relu"):
         dim = 1 if name in ("frft", "relu") else 0
         parts = [getattr(output, name) for output in outputs]
-        whole[name] = {one: torch.cat([part[one] for part in parts], dim) for one in parts[0]}
+        whole[name] = {key: torch.cat([part[key] for part in parts], dim) for key in parts[0]}
     nodes = [output.nodes for output in outputs if output.nodes is not None]
     pair = torch.cat([output.pair for output in outputs])
     return replace(outputs[0], pair=pair, nodes=torch.cat(nodes) if nodes else None, **whole)

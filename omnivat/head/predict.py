@@ -49,7 +49,9 @@ def predict_pair(
     head.require(key, encoder.width, what="Embeddings of these images")
     photo, touch = (None if file is None else Path(file) for file in (vis, tac))
     embedded = embed_pair(encoder, photo, touch)
-    rows = [None if one is None else torch.from_numpy(one[None].copy()) for one in embedded]
+    rows = [
+        None if vector is None else torch.from_numpy(vector[None].copy()) for vector in embedded
+    ]
     return predict_embeddings(head, *rows, order=order, profile=profile)[0]
 
 

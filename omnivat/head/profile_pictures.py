@@ -124,14 +124,14 @@ def profile_of_pictures(
         try:
             embedded = {
                 look: embed_image(
-                    for_modality(one, picture.modality, domain),
+                    for_modality(encoder, picture.modality, domain),
                     picture.source,
                     crop=picture.crop,
                     rest=picture.rest,
                     way=picture.way,
                     name=picture.name,
                 )
-                for look, one in looks.items()
+                for look, encoder in looks.items()
             }
         except DataError as error:
             skipped.append(Skipped(what=picture.name, why=str(error)))
@@ -144,7 +144,7 @@ def profile_of_pictures(
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
     relief = channels.pop("relief", None)
     if not channels:
-        first = next((f" The first: {one.why}" for one in skipped), "")
+        first = next((f" The first: {skip.why}" for skip in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
     made = Profile(channels=channels, key=key, domain=domain, lamps=lit, relief=relief)
     return made, tuple(skipped)

@@ -77,12 +77,12 @@ class Report:
     @property
     def before(self) -> int:
         """Return the lessons that the head predicts rightly as it is."""
-        return sum(one.before == one.label for one in self.judged)
+        return sum(result.before == result.label for result in self.judged)
 
     @property
     def after(self) -> int:
         """Return the lessons that are right after teaching."""
-        return sum(one.after == one.label for one in self.judged)
+        return sum(result.after == result.label for result in self.judged)
 
 
 @one_thread()
@@ -167,14 +167,14 @@ class Work:
                 f"There are {len(lessons):,} lessons and at most {MOST:,} are taken; train a head "
                 "with `python -m omnivat train` instead."
             )
-        for rows in (getattr(one, name) for one in lessons for name in IMAGES):
+        for rows in (getattr(lesson, name) for lesson in lessons for name in IMAGES):
             if rows is not None and len(rows) != 1:
                 raise ShapeError(f"A lesson has {len(rows)} rows; give one of each image, (1, W).")
         self.head, self.lessons = head, lessons
         self.classes = tuple(
-            dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)])
+            dict.fromkeys([*head.settings.classes, *(lesson.label for lesson in lessons)])
         )
-        self.labels = np.array([self.classes.index(one.label) for one in lessons])
+        self.labels = np.array([self.classes.index(lesson.label) for lesson in lessons])
         names = _objects(lessons)
         self.objects = [
             np.flatnonzero([name == other for other in names]) for name in dict.fromkeys(names)
@@ -202,8 +202,8 @@ class Work:
         after = [self.classes[label] for label in self.after()]
         return Report(
             judged=tuple(
-                Judged(label=one.label, before=was, after=now, object=one.object)
-                for one, was, now in zip(self.lessons, named, after, strict=True)
+                Judged(label=lesson.label, before=was, after=now, object=lesson.object)
+                for lesson, was, now in zip(self.lessons, named, after, strict=True)
             ),
             share=self.ridge(slice(None), self.objects).share(self.objects),
         )
@@ -231,7 +231,7 @@ class Work:
         share = solved.share(self.objects)
         sharp = sharpness(solved.apart(share), self.labels)
         weights = sharp * solved.weights(share)
-        counts = Counter(one.label for one in self.lessons)
+        counts = Counter(lesson.label for lesson in self.lessons)
         taught_classes = {name: counts[name] for name in self.classes if name in counts}
         about = {"taught": taught_classes, "head_share": share}
         head = self.head
@@ -282,7 +282,7 @@ def splits(
 
 def _batches(lessons: Sequence[Lesson]) -> Iterator[tuple[list[int], dict[str, Tensor]]]:
     """Yield the places of the lessons that have the same images, and those images (B, W)."""
-    there = [tuple(n for n in IMAGES if getattr(one, n) is not None) for one in lessons]
+    there = [tuple(n for n in IMAGES if getattr(lesson, n) is not None) for lesson in lessons]
     for names in dict.fromkeys(there):
         places = [place for place, other in enumerate(there) if other == names]
         yield places, {n: torch.cat([getattr(lessons[k], n) for k in places]) for n in names}
@@ -300,7 +300,7 @@ def _with_classes(
     known = state["classifier"]
     directions = [known]
     for name in classes[len(known) :]:
-        outputs = [head.model(one.vis, one.tac) for one in lessons if one.label == name]
+        outputs = [head.model(lesson.vis, lesson.tac) for lesson in lessons if lesson.label == name]
         hats = torch.cat([rows for output in outputs for rows in output.f_hat.values()])
         mean = normalize(normalize(hats, dim=-1).mean(0), dim=-1)
         directions.append(known.norm(dim=-1).mean() * mean[None])

@@ -83,7 +83,7 @@ def _require_plain(value: Any, deeper: int) -> None:
 
 def texts(value: Any, name: str) -> dict[str, str]:
     """Return a mapping of texts to texts; raises DataError for anything else."""
-    if not isinstance(value, dict) or not all(isinstance(one, str) for one in value.values()):
+    if not isinstance(value, dict) or not all(isinstance(item, str) for item in value.values()):
         raise DataError(f"'{name}' should hold texts under names, not {_kind(value)}.")
     return value
 

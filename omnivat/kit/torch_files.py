@@ -40,7 +40,7 @@ def tensors(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
 def _archived(handle: IO[bytes]) -> Found:
     """Read an archive: `data.pkl` describes the tensors, and `data/N` is storage N."""
     with ZipFile(handle) as archive:
-        members = {one.filename: one for one in archive.infolist()}
+        members = {member.filename: member for member in archive.infolist()}
         inside = next(name for name in members if name.endswith("/data.pkl"))
         with archive.open(inside) as description:
             reader = Reader(description)
@@ -59,7 +59,7 @@ def _archived(handle: IO[bytes]) -> Found:
 def _old(handle: IO[bytes]) -> Found:
     """Read pickles of three versions, the description and the storages' keys; values follow."""
     readers = [Reader(handle) for _ in range(5)]
-    *_, root, keys = [one.load() for one in readers]
+    *_, root, keys = [reader.load() for reader in readers]
     storages = {}
     for key in keys:
         kind = readers[3].storages[key]
@@ -75,11 +75,13 @@ def _named(value: Any, name: str, depth: int) -> Iterator[tuple[str, list[Any]]]
         yield from _named(value.arguments[0], name, depth)
     elif called.endswith("._rebuild_tensor_v2"):
         key, offset, *axes = value.arguments[:4]
-        plain = (one.arguments[0] if isinstance(one, Inert) else one for one in axes)
-        yield name, [key, index(offset), *([*map(index, one)] for one in plain)]
+        plain = (axis.arguments[0] if isinstance(axis, Inert) else axis for axis in axes)
+        yield name, [key, index(offset), *([*map(index, axis)] for axis in plain)]
     elif depth < DEPTH:
         own = (value.state, value.items) if isinstance(value, Inert) else (value,)
-        for key, part in (pair for one in own if isinstance(one, dict) for pair in one.items()):
+        for key, part in (
+            pair for record in own if isinstance(record, dict) for pair in record.items()
+        ):
             if isinstance(key, str):
                 longer = name if key in NESTED else f"{name}.{key}" if name else key
                 yield from _named(part, longer, depth + 1)

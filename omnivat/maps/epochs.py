@@ -54,7 +54,7 @@ class Meter:
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
         home = self.embeddings.header.domains.index(self.source)
         own = self.keep & (self.embeddings.domain == home)
-        for reading in (one for one in ("fused", "vis", "tac") if one in at_order.probabilities):
+        for reading in (name for name in ("fused", "vis", "tac") if name in at_order.probabilities):
             name = "accuracy" if reading == "fused" else f"accuracy:{reading}"
             right = at_order.probabilities[reading].argmax(1).cpu().numpy() == self.label
             if own.any():

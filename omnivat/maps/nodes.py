@@ -62,5 +62,5 @@ def node_votes(head: Head, embeddings: Embeddings) -> list[tuple[str, float]]:
         counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)
     return [
         (classes[best], int(count) / len(kept))
-        for count, best in zip(*(one.tolist() for one in counts.max(dim=1)), strict=True)
+        for count, best in zip(*(values.tolist() for values in counts.max(dim=1)), strict=True)
     ]

@@ -270,8 +270,8 @@ def scored(head: Head, embeddings: Embeddings, others: Sequence[Head] = ()) -> H
     (0.98, 4, 2)
     """
     heads = (head, *others)
-    found = [measured(one, embeddings) for one in heads]
-    seeds = [_summary(one, record) for one, record in zip(heads, found, strict=True)]
+    found = [measured(head, embeddings) for head in heads]
+    seeds = [_summary(head, record) for head, record in zip(heads, found, strict=True)]
     means = {name: value for name, value in seeds[0].items() if name not in ("seed", "domains")}
     epochs = head.metrics.get("epochs", [])
     metrics = {**means, "domains": found[0]["domains"], "epochs": epochs, "seeds": seeds}
@@ -330,4 +330,4 @@ def _f1(label: Rows, said: Array) -> dict[str, float]:
         for row in said
         if (made := row >= 0).any()
     ]
-    return {m: fmean(one[m] for one in draws) for m in F1}
+    return {m: fmean(draw[m] for draw in draws) for m in F1}

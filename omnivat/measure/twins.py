@@ -197,7 +197,7 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
         raise ValueError("changed names a touch twice")
     texts: dict[str, Any] = {name: tuple(text[name]) for name in TEXTS}
     for name, own in {**texts, "label": label}.items():
-        if len(own) != count or (name in TEXTS and not all(isinstance(one, str) for one in own)):
+        if len(own) != count or (name in TEXTS and not all(isinstance(text, str) for text in own)):
             raise ValueError(f"{name} should have {count} entries")
     filled = vectors["tac"].copy()
     filled.reshape(-1, width)[changed] = vectors["filled"]

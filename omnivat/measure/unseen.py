@@ -65,7 +65,7 @@ def bars(found: Mapping[str, Any]) -> dict[str, Any]:
     """
 
     def shares(of: Mapping[str, Any]) -> dict[str, Any]:
-        return {f"answers/{name}": shown(one) for name, one in of.items() if name in READINGS}
+        return {f"answers/{name}": shown(value) for name, value in of.items() if name in READINGS}
 
     none = dict.fromkeys(f"answers/{name}" for name in READINGS)
     return {
@@ -73,13 +73,13 @@ def bars(found: Mapping[str, Any]) -> dict[str, Any]:
         "chance": 1 / len(found["classes"]),
         "domains": [
             {
-                "name": one["domain"],
-                "is_source": one["is_source"],
-                "pairs": 0 if one["trained_on"] else one["pairs"],
+                "name": domain["domain"],
+                "is_source": domain["is_source"],
+                "pairs": 0 if domain["trained_on"] else domain["pairs"],
                 **none,
-                **({} if one["trained_on"] else shares(one["scores"])),
+                **({} if domain["trained_on"] else shares(domain["scores"])),
             }
-            for one in found["domains"]
+            for domain in found["domains"]
         ],
         "unseen": none | shares(found["scores"]),
     }

@@ -44,20 +44,23 @@ def conclusion(records: Sequence[Record], source: str) -> str:
     A lead counts if it exceeds half the width of the head's interval, and a method if its interval
     is above the share of the largest class.
     """
-    away = [one for one in records if one["domain"] != source]
+    away = [record for record in records if record["domain"] != source]
     tested = away or records
     if not tested:
         return "In short: no figure can be had from these pairs."
     views = [name for name in WORDS if name in tested[0]]
 
     def mean(name: str) -> float:
-        return float(np.mean([one[name]["share"] for one in tested]))
+        return float(np.mean([record[name]["share"] for record in tested]))
 
     def above(name: str) -> bool:
-        return float(np.mean([one[name]["low"] for one in tested])) > always
+        return float(np.mean([record[name]["low"] for record in tested])) > always
 
-    always = float(np.mean([one["always the largest class"] for one in tested]))
-    width = float(np.mean([one[views[0]]["high"] - one[views[0]]["low"] for one in tested])) / 2
+    always = float(np.mean([record["always the largest class"] for record in tested]))
+    width = (
+        float(np.mean([record[views[0]]["high"] - record[views[0]]["low"] for record in tested]))
+        / 2
+    )
     head = max(views, key=mean)
     plain = max(views, key=lambda view: mean(probe_of(view)))
     where = "another sensor" if away else "objects that it did not see"
@@ -67,8 +70,8 @@ def conclusion(records: Sequence[Record], source: str) -> str:
     if not any(able.values()):
         advice = f"neither is above {level} within the uncertainty, so take neither"
     elif not all(able.values()):
-        one = next(name for name, good in able.items() if good)
-        advice = f"take {one}: alone above {level} within the uncertainty"
+        only = next(name for name, good in able.items() if good)
+        advice = f"take {only}: alone above {level} within the uncertainty"
     elif abs(lead) <= width:
         advice = "they are level within the uncertainty, so take the linear maps, which are simpler"
     else:

@@ -84,7 +84,7 @@ def level(embeddings: Embeddings, domains: Sequence[str]) -> tuple[Embeddings, P
     channels = {}
     for name in IMAGES:
         each = [profile.channels[name] for profile in profiles.values()]
-        mean, variance = np.mean([(one.mean, one.variance) for one in each], axis=0)
+        mean, variance = np.mean([(profile.mean, profile.variance) for profile in each], axis=0)
         channels[name] = Channels(mean=mean, variance=variance, count=sum(x.count for x in each))
     base = Profile(channels=channels, key=embeddings.header.key, domain=ALL)
     return profiled(embeddings, profiles, base), base
@@ -158,7 +158,7 @@ def _left_out(
             right[count].append(measured(maps, left, rungs.pairs(count))["scores"])
         for draw in range(DRAWS):
             drawn = parts(maps, left, rungs.pairs(PICTURES[-1]), seed=draw)
-            part = next(one for one in drawn if one.domain == name)
+            part = next(part for part in drawn if part.domain == name)
             test = part.embeddings.select(part.rows)
             test = test.select(test.labelled)
             for each, values in fitted.maps.logits(fitted.standard(_raw(test))).items():
@@ -167,7 +167,7 @@ def _left_out(
         on_step(Step(done=done + 1, total=len(domains), text=f"{name} left out"))
     temperature = {n: fit_temperature(torch.cat(v), torch.cat(labels)) for n, v in logits.items()}
     means = {
-        str(count): {n: round(fmean(one[n]["accuracy"] for one in each), 4) for n in READINGS}
+        str(count): {n: round(fmean(result[n]["accuracy"] for result in each), 4) for n in READINGS}
         for count, each in right.items()
     }
     return temperature, means

@@ -141,7 +141,7 @@ def retrained_frames(
     )
     over_seeds: dict[str, list[float | None]] = {}
     for index, order in enumerate(orders):
-        heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
+        heads = [load_head(stop_folder(folder, order, seed)) for seed in seeds]
         stages = [stage for stage in builder.stages if index == 0 or stage not in still]
         found = next(
             iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True))

@@ -183,7 +183,7 @@ def _record(
     """Return the counts of tested pairs with `labels`, the share right of each reading with its
     interval, and the balanced accuracy of those with a confusion matrix in `counts`.
     """
-    balances = {name: balance(one) for name, one in counts.items()}
+    balances = {name: balance(counted) for name, counted in counts.items()}
     some = next(iter(balances.values()))
     return {
         "domain": domain,
@@ -192,8 +192,8 @@ def _record(
         "classes": len(np.unique(labels)),
         "always the largest class": some.always,
         "uneven": some.uneven,
-        "balanced": {name: one.balanced for name, one in balances.items()},
-        **{name: shown(one) for name, one in shares.items()},
+        "balanced": {name: found.balanced for name, found in balances.items()},
+        **{name: shown(share) for name, share in shares.items()},
     }
 
 
@@ -208,12 +208,12 @@ def _in_target(
     there, known = data.select(rows), rows[np.isin(data.label[rows], data.label[home])]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    plain = next(one for one in head.metrics["domains"] if one["domain"] == name)
+    plain = next(domain for domain in head.metrics["domains"] if domain["domain"] == name)
     of_maps = measured(maps, there)
     shares = {view: plain["scores"][READINGS[view]] for view in features.views}
     shares |= {probe_of(view): of_maps["scores"][READINGS[view]] for view in features.views}
     main = next(view for view in WORDS if view in shares)
-    of_maps = next(one for one in of_maps["domains"] if one["domain"] == name)
+    of_maps = next(domain for domain in of_maps["domains"] if domain["domain"] == name)
     counts = {main: plain["confusion"], probe_of(main): of_maps["confusion"]}
     found = _record(name, data.label[known], plain["objects"], shares, counts)
     lit = data.header.lit_by.get(name)
@@ -224,7 +224,7 @@ def _in_target(
     except DataError as error:
         text += f" {error}"
     else:
-        step, of_maps = (measured(one, there, pictures, seed=seed) for one in (head, maps))
+        step, of_maps = (measured(reader, there, pictures, seed=seed) for reader in (head, maps))
         kept = {key: step[key] for key in ("accuracy", "low", "high", "draws")}
         found["profile"] = {"pictures": pictures.pairs, **kept, PROBE: shown(of_maps)}
         text += (

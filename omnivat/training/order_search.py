@@ -89,19 +89,19 @@ def search_order(
     coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head))]
     valleys = lowest_valleys(coarse, APART / head.width)
     fine = [[scores.at(v.order + share * step, "fine") for share in FINE] for v in valleys]
-    bottom = min(fine, key=lambda valley: min(one.score for one in valley))
-    everything = (*coarse, *(one for found in fine for one in found))
-    start = folded(lowest_point([(one.order, one.score) for one in bottom]))
+    bottom = min(fine, key=lambda valley: min(trial.score for trial in valley))
+    everything = (*coarse, *(trial for found in fine for trial in found))
+    start = folded(lowest_point([(trial.order, trial.score) for trial in bottom]))
     best = min(bottom, key=lambda scored: scored.score)
     ties = tied(everything, best, APART / head.width)
     low, high = neighbours(everything, best)
     between = round(min(low, start), 4), round(max(high, start), 4)
     return {
         "start": start,
-        "orders": [one.order for one in everything],
-        "score": [one.score for one in everything],
-        "spread": [one.spread for one in everything],
-        "round": [one.round for one in everything],
+        "orders": [trial.order for trial in everything],
+        "score": [trial.score for trial in everything],
+        "spread": [trial.spread for trial in everything],
+        "round": [trial.round for trial in everything],
         "between": list(between),
         "ties": ties,
         "note": _note(start, between, ties),
@@ -114,9 +114,9 @@ def lowest_valleys(scored: Sequence[Scored], apart: float) -> list[Scored]:
     """Return VALLEYS orders: the lowest ones further apart than this, then the lowest others."""
     chosen: list[Scored] = []
     others: list[Scored] = []
-    for one in sorted(scored, key=lambda scored: scored.score):
-        far = all(abs(one.order - other.order) > apart for other in chosen)
-        (chosen if far else others).append(one)
+    for trial in sorted(scored, key=lambda scored: scored.score):
+        far = all(abs(trial.order - other.order) > apart for other in chosen)
+        (chosen if far else others).append(trial)
     return [*chosen, *others][:VALLEYS]
 
 
@@ -127,12 +127,12 @@ def tied(scored: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     the same pairs. Orders are further than `apart` from each other, the lowest first.
     """
     ties: list[float] = []
-    for one in sorted(scored, key=lambda scored: scored.score):
+    for trial in sorted(scored, key=lambda scored: scored.score):
         near = (folded(other) for other in (best.order, *ties))
-        if any(abs(folded(one.order) - other) <= apart for other in near):
+        if any(abs(folded(trial.order) - other) <= apart for other in near):
             continue
-        if _as_good(one, best):
-            ties.append(round(folded(one.order), 4))
+        if _as_good(trial, best):
+            ties.append(round(folded(trial.order), 4))
     return ties
 
 
@@ -142,7 +142,7 @@ def neighbours(scored: Sequence[Scored], best: Scored) -> tuple[float, float]:
     """
     ends = []
     for side in (-1, 1):
-        beyond = [one for one in scored if side * (one.order - best.order) > 0]
+        beyond = [trial for trial in scored if side * (trial.order - best.order) > 0]
         beyond.sort(key=lambda scored: abs(scored.order - best.order))
         run = takewhile(lambda scored: _as_good(scored, best), beyond)
         *_, end = (best.order, *(scored.order for scored in run))

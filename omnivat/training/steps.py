@@ -32,11 +32,11 @@ class Momentum:
     def step(self) -> None:
         """Move every parameter that has a gradient."""
         for group in self.param_groups:
-            moved = [one for one in group["params"] if one.grad is not None]
-            momenta = [self.state.get(one) for one in moved]
+            moved = [parameter for parameter in group["params"] if parameter.grad is not None]
+            momenta = [self.state.get(parameter) for parameter in moved]
             sgd(
                 moved,
-                [one.grad for one in moved],
+                [parameter.grad for parameter in moved],
                 momenta,
                 fused=True,
                 weight_decay=group["weight_decay"],
@@ -47,7 +47,9 @@ class Momentum:
                 maximize=False,
             )
             kept = zip(moved, momenta, strict=True)
-            self.state |= {one: momentum for one, momentum in kept if momentum is not None}
+            self.state |= {
+                parameter: momentum for parameter, momentum in kept if momentum is not None
+            }
 
 
 def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
@@ -98,7 +100,7 @@ def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor
     """
     images = {name: batch.images.get(name) for name in IMAGES}
     found = [teacher(**images).logits for teacher in teachers]
-    return {name: torch.stack([one[name] for one in found]).mean(0) for name in found[0]}
+    return {name: torch.stack([part[name] for part in found]).mean(0) for name in found[0]}
 
 
 def learn(

@@ -125,7 +125,7 @@ def unpacked(parts: Sequence[Path], folder: Path, on_step: OnStep = ignore) -> l
     try:
         with BufferedReader(Joined(parts), 1 << 20) as stream, ZipFile(stream) as archive:
             members = archive.infolist()
-            size, free = sum(one.file_size for one in members), shutil.disk_usage(folder).free
+            size, free = sum(member.file_size for member in members), shutil.disk_usage(folder).free
             if size > free:
                 raise WriteError(
                     f"The archive unpacks to {size / 1e6:,.0f} MB, and '{folder}' has"

@@ -129,7 +129,9 @@ def files(
     def items(names: Names, text: Text) -> Iterator[Item]:
         for name, match in _matches(names, tac):
             photo = match.expand(vis)
-            kind, whole = (match.expand(one).replace("_", " ") for one in (material, thing))
+            kind, whole = (
+                match.expand(template).replace("_", " ") for template in (material, thing)
+            )
             if not photo or photo in names:
                 yield Item(
                     vis=photo,

@@ -82,7 +82,7 @@ class Repository:
         }
         for name, value in remote.items():
             self._git("config", f"remote.origin.{name}", value)
-        if any(one.is_file() for one in (folder / "objects").rglob("*")):
+        if any(path.is_file() for path in (folder / "objects").rglob("*")):
             self._git("fsck", "--no-dangling", "--no-progress")
         self._fetch("--depth=1", commit)
 
@@ -96,7 +96,7 @@ class Repository:
         for line in filter(None, listed.decode(errors="backslashreplace").split("\0")):
             about, _, path = line.partition("\t")
             mode, _, name = about.split()
-            if mode.startswith("100") and any(fnmatchcase(path, one) for one in wanted):
+            if mode.startswith("100") and any(fnmatchcase(path, pattern) for pattern in wanted):
                 found[path] = name
         return found
 

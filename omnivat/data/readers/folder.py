@@ -71,7 +71,7 @@ def read(
     pictures, skipped = _walked(source, {vis.casefold(): "vis", tac.casefold(): "tac"})
     pictures, how = _by_number(pictures)
     alone = {half for halves in pictures.values() for half in halves}
-    one = alone.pop() if len(alone) == 1 else ""
+    only = alone.pop() if len(alone) == 1 else ""
     pairs = []
     for (place, name), halves in pictures.items():
         domain, group, *things = (
@@ -81,7 +81,7 @@ def read(
             "",
         )
         material = class_key(group) or NO_CLASS
-        if why := _why_not(halves, material, alone=bool(one), strict=strict):
+        if why := _why_not(halves, material, alone=bool(only), strict=strict):
             what = "/".join(filter(None, (place.split, *place.names, name)))
             skipped.append(Skipped(what=show(what), why=why))
             continue
@@ -95,18 +95,18 @@ def read(
                 material=material,
                 object=f"{material}/{thing}" if thing else "",
                 split=place.split,
-                alone=one,
+                alone=only,
             )
         )
     if not pairs:
         raise DataError(_no_pairs(source, skipped))
-    if one:
-        _require_no_others(one, skipped)
+    if only:
+        _require_no_others(only, skipped)
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
         origin=f"folder '{source.name or source}'{how}"
-        + (", one picture of each pair" * bool(one)),
+        + (", one picture of each pair" * bool(only)),
     )
 
 
@@ -220,14 +220,14 @@ def _has_pictures(folder: Path) -> bool:
     )
 
 
-def _require_no_others(one: str, skipped: list[Skipped]) -> None:
+def _require_no_others(name: str, skipped: list[Skipped]) -> None:
     """Raise DataError if the set is of one modality, and pictures of the other one are left out."""
     for lost in skipped:
         half = half_of(Path(lost.what).stem)
-        if lost.why == NO_WORD and half in IMAGES and half != one:
+        if lost.why == NO_WORD and half in IMAGES and half != name:
             raise DataError(
                 f"'{lost.what}' has a word of {WORDS[half]} inside its name, so that only"
-                f" {WORDS[one]} are left; begin or end the name with that word, or put photos and"
+                f" {WORDS[name]} are left; begin or end the name with that word, or put photos and"
                 " touches into folders named with --vis and --tac."
             )
 

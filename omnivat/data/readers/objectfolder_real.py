@@ -85,8 +85,8 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
             missing = f"no frames in {TOUCH}" if not touch else f"no frames of a camera {camera}"
             left_out.add(f"object {show(thing.name)}", missing.strip())
             continue
-        one = len(touch) - 1 if choice == "last" else len(touch) // 2
-        for index in range(len(touch)) if choice == "all" else (one,):
+        chosen = len(touch) - 1 if choice == "last" else len(touch) // 2
+        for index in range(len(touch)) if choice == "all" else (chosen,):
             yield Pair(
                 vis=seen[round(index / max(1, len(touch) - 1) * (len(seen) - 1))],
                 tac=touch[index],
@@ -99,7 +99,9 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
 def _camera_frames(recording: Path, camera: str) -> list[Path]:
     """Return the frames of the given camera, or of the best one with frames."""
     beside = [
-        one for one in folders_in(recording) if one.name != TOUCH and camera in ("", one.name)
+        folder
+        for folder in folders_in(recording)
+        if folder.name != TOUCH and camera in ("", folder.name)
     ]
     beside.sort(
         key=lambda file: ([word not in file.name.lower() for word in PREFERRED], file.name.lower())

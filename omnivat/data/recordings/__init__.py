@@ -98,7 +98,7 @@ def _tactile(folder: Path) -> list[Path]:
     here = [folder / entry.name for entry in visible(folder)]
     found = [place for place in here if place.name.lower().endswith(TACTILE)]
     inner = [p for p in here if p not in found and p.is_dir() and not p.is_symlink()]
-    return found + [place for one in inner for place in _tactile(one)]
+    return found + [place for folder in inner for place in _tactile(folder)]
 
 
 def clips_of(source: Path, *, classes: Sequence[str] = (), **how: Any) -> list[Clip]:
@@ -146,9 +146,9 @@ def _clips_of(
     """
     if source.is_dir() and (source / INFO).is_file():
         return LeRobot(source).clips(vis, tac, domain, labels)
-    one = source.suffix.lower() in TACTILE
-    files = [source] if one else _tactile(source) if source.is_dir() else []
-    own = _table(source) if files and not one else None
+    tactile = source.suffix.lower() in TACTILE
+    files = [source] if tactile else _tactile(source) if source.is_dir() else []
+    own = _table(source) if files and not tactile else None
     if files and not (own and _has_halves(own)):
         labels = labels or own  # a table with a column file
         return [clip for file in files for clip in tactile_clips(file, domain, labels)]
@@ -182,8 +182,8 @@ def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
 
     counts = [count_in(pair.vis if pair.alone == "vis" else pair.tac) for pair in found.pairs]
     left_out = [
-        Clip(read=partial(_refused, one.why), name=one.what, domain="", material="", object="")
-        for one in found.skipped
+        Clip(read=partial(_refused, skip.why), name=skip.what, domain="", material="", object="")
+        for skip in found.skipped
     ]
     return left_out + [
         Clip(

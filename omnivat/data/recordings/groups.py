@@ -92,7 +92,7 @@ def _words(name: str) -> set[str]:
 def _kind(name: str, rest: Sequence[str]) -> str:
     """Return what the name of a group is: "camera", "split", "counted" or "" for none of these."""
     number, words = ENDS_IN_NUMBER.fullmatch(name), _words(name)
-    below = any(half_of(one) in IMAGES for one in rest)
+    below = any(half_of(name) in IMAGES for name in rest)
     if split_of(name):
         return "split"
     if number and (below or words <= EVENTS or not (half_of(name) or words & CAMERAS - FRAMES)):
@@ -145,7 +145,7 @@ def _tell_group(place: Place, depth: int, near: _Near, named: Collection[str]) -
         return "split"
     if kind == "counted":
         place.met(name, counted=True)
-        if half_of(name) in IMAGES and not any(half_of(one) in IMAGES for one in rest):
+        if half_of(name) in IMAGES and not any(half_of(name) in IMAGES for name in rest):
             place.seen_by(re.sub(r"[\W_]*\d+$", "", name))
         return "unit"
     if kind == "camera":

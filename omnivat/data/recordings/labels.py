@@ -50,11 +50,11 @@ class Recording:
         return "/".join(filter(None, (*self.place.units, self.place.shot)))
 
 
-def near_labels(one: Recording, columns: Mapping[str, str]) -> None:
+def near_labels(recording: Recording, columns: Mapping[str, str]) -> None:
     """Note the labels that arrays and attributes near a recording give: one, or one a row."""
-    column = one.columns[0]
+    column = recording.columns[0]
     inner = column.name.split("/")[:-1]
-    units = [k for k, part in enumerate(inner) if composed(part) in one.place.units]
+    units = [k for k, part in enumerate(inner) if composed(part) in recording.place.units]
     top = inner[: units[-1] + 1] if units else []  # arrays below are the recording's own
     table = column.table
     for label in LABELS:
@@ -65,11 +65,11 @@ def near_labels(one: Recording, columns: Mapping[str, str]) -> None:
             if cell is None or (label not in columns and not _may_label(cell)):
                 continue
             array = np.asarray(cell).reshape(-1) if np.size(cell) == 1 else np.asarray(cell)
-            one.texts[label] = texts_in(array, label, len(array), table.place)
-            one.origins[label] = f"{table.place}:{name}" if name else ""
+            recording.texts[label] = texts_in(array, label, len(array), table.place)
+            recording.origins[label] = f"{table.place}:{name}" if name else ""
             break
         else:
-            if columns.get(label) and not one.place.units:
+            if columns.get(label) and not recording.place.units:
                 raise DataError(
                     f"'{table.place}' has no column '{columns[label]}'; it has"
                     f" {', '.join(table.names)}."
@@ -112,21 +112,25 @@ def from_lists(made: Sequence[Recording]) -> None:
     """Deal out an array that has a label for each of several recordings, numbered from 0; one of
     another length tells nothing about them.
     """
-    of_many = Counter(origin for one in made for origin in one.origins.values() if origin)
-    numbers = [number_of(Path(one.name)) for one in made]
+    of_many = Counter(
+        origin for recording in made for origin in recording.origins.values() if origin
+    )
+    numbers = [number_of(Path(recording.name)) for recording in made]
     dealt = sorted(-1 if n is None else n for n in numbers) == [*range(len(made))]
-    for one, number in zip(made, numbers, strict=True):
-        for label, origin in one.origins.items():
-            if of_many[origin] > 1 and (texts := one.texts[label])[1:]:
+    for recording, number in zip(made, numbers, strict=True):
+        for label, origin in recording.origins.items():
+            if of_many[origin] > 1 and (texts := recording.texts[label])[1:]:
                 fits = dealt and len(texts) == len(made)
-                one.texts[label] = [texts[number or 0]] if fits else []
+                recording.texts[label] = [texts[number or 0]] if fits else []
                 if not fits:
-                    del one.texts[label]
+                    del recording.texts[label]
 
 
 def from_masks(made: Sequence[Recording]) -> None:
     """Take the splits of robomimic: arrays mask/train and mask/valid name recordings."""
-    for table in {id(one.columns[0].table): one.columns[0].table for one in made}.values():
+    for table in {
+        id(recording.columns[0].table): recording.columns[0].table for recording in made
+    }.values():
         for name in table.names:
             above, _, split = name.rpartition("/")
             if above.rpartition("/")[2] == "mask" and (split := split_of(split)):
@@ -135,50 +139,59 @@ def from_masks(made: Sequence[Recording]) -> None:
                         composed, texts_in(array := table.read(name), name, len(array), table.place)
                     )
                 }
-                for one in made:
-                    if one.columns[0].table is table and listed & {*one.place.units}:
-                        one.texts.setdefault("split", [split])
+                for recording in made:
+                    if recording.columns[0].table is table and listed & {*recording.place.units}:
+                        recording.texts.setdefault("split", [split])
 
 
 def from_table(made: Sequence[Recording], labels: Path | None) -> None:
     """Take the labels of a table whose column episode or file names recordings."""
     if labels is None:
         return
-    if not any(one.place.units for one in made):
+    if not any(recording.place.units for recording in made):
         raise SettingsError("--labels is for recordings; this file has one pair in each row.")
     header = map(str.lower, next(iter(numbered_rows(labels).values()), []))
     table = read_labels(labels, "file" if "file" in header else "episode")
     rows = {Path(name).with_suffix("").as_posix(): row for name, row in table.items()}
-    for one in made:
-        units = "/".join(one.place.units)
-        names = [units, *one.place.units[::-1], str(number_of(Path(units)))]
+    for recording in made:
+        units = "/".join(recording.place.units)
+        names = [units, *recording.place.units[::-1], str(number_of(Path(units)))]
         names = [name for name in rows if f"/{name}".endswith(f"/{units}")] + names
         row = next((rows[name] for name in names if name in rows), None)
         if row is None:
-            one.problem = "--labels does not list it."
-        one.texts |= {name: [text] for name, text in (row or {}).items() if text and name in LABELS}
+            recording.problem = "--labels does not list it."
+        recording.texts |= {
+            name: [text] for name, text in (row or {}).items() if text and name in LABELS
+        }
 
 
 def from_names(made: Sequence[Recording], columns: Mapping[str, str], file: Path) -> None:
     """Take classes, domains and objects from the names of groups, as far as nothing else gives
     them. Raises DataError for recordings whose class nothing tells.
     """
-    named = "material" not in columns and not any("material" in one.texts for one in made)
-    places = {one.place.units: one.place.counted for one in made}
+    named = "material" not in columns and not any(
+        "material" in recording.texts for recording in made
+    )
+    places = {recording.place.units: recording.place.counted for recording in made}
     groups, domains = classes_of(places)
     words = {re.sub(r"\d+$", "", units[-1]) for units in places if units}
-    for one in made:
-        units, stated = one.place.units, {*one.texts.get("domain", ())}
-        if units in domains and not one.texts.get("domain"):
-            one.texts["domain"] = [domains[units]]
+    for recording in made:
+        units, stated = recording.place.units, {*recording.texts.get("domain", ())}
+        if units in domains and not recording.texts.get("domain"):
+            recording.texts["domain"] = [domains[units]]
             stated.add(domains[units])
         if named and units in groups:
-            one.texts["material"] = [groups[units]]
+            recording.texts["material"] = [groups[units]]
             stated.add(groups[units])
-        if units and not {*units} <= stated and not any(one.texts.get("object", ())):
-            split = one.place.split if len(words) < 2 else ""  # demo_0 of train is not that of test
-            one.texts["object"] = ["/".join(filter(None, (split, *units)))]
-    lost = [one for one in made if one.place.units and not one.texts.get("material")]
+        if units and not {*units} <= stated and not any(recording.texts.get("object", ())):
+            # demo_0 of train is not that of test
+            split = recording.place.split if len(words) < 2 else ""
+            recording.texts["object"] = ["/".join(filter(None, (split, *units)))]
+    lost = [
+        recording
+        for recording in made
+        if recording.place.units and not recording.texts.get("material")
+    ]
     if len(lost) == len(made) and "material" not in columns:
         more = ", …" if len(lost) > NAMED else ""
         attributes = dict.fromkeys(
@@ -203,11 +216,15 @@ def _groups(name: str) -> Iterator[str]:
 
 def named_classes(made: Sequence[Recording], classes: Sequence[str], file: Path) -> None:
     """Give numbered classes their names, and rows without a class ""."""
-    all = [(one, k) for one in made for k in range(len(one.texts.get("material", ())))]
-    texts = [one.texts["material"][k] for one, k in all]
+    all = [
+        (recording, k)
+        for recording in made
+        for k in range(len(recording.texts.get("material", ())))
+    ]
+    texts = [recording.texts["material"][k] for recording, k in all]
     kept = labelled_rows(texts)
     named = dict(
         zip(kept, class_names([texts[k] for k in kept], classes or None, file), strict=True)
     )
-    for number, (one, k) in enumerate(all):
-        one.texts["material"][k] = named.get(number, "")
+    for number, (recording, k) in enumerate(all):
+        recording.texts["material"][k] = named.get(number, "")

@@ -40,9 +40,9 @@ class LeRobot:
         features = self.info.get("features")
         found = features.items() if isinstance(features, dict) else ()
         self.cameras = {
-            name: one["dtype"]
-            for name, one in found
-            if isinstance(one, dict) and one.get("dtype") in ("video", "image")
+            name: feature["dtype"]
+            for name, feature in found
+            if isinstance(feature, dict) and feature.get("dtype") in ("video", "image")
         }
 
     def _number(self, name: str, other: float = 0) -> float:
@@ -55,22 +55,22 @@ class LeRobot:
         where = f"'{show(self.root)}'"
         photo, touches, places = cameras_among([*self.cameras], vis, tac, where)
         episodes = self._episodes()
-        tasks = {one.get("task") for one in episodes}
+        tasks = {episode.get("task") for episode in episodes}
         table = read_labels(labels, "episode") if labels else {}
-        there = {str(one["episode_index"]) for one in episodes}
+        there = {str(episode["episode_index"]) for episode in episodes}
         absent = {"task": "", "problem": "--labels lists this episode, which is not there."}
         episodes += [absent | {"episode_index": name} for name in table if name not in there]
         clips, splits = [], self._splits()
-        for one in episodes:
-            number = one["episode_index"]
+        for episode in episodes:
+            number = episode["episode_index"]
             row = table.get(str(number), {})
             if table and not row:
-                one = {"problem": "--labels does not list this episode."} | one
+                episode = {"problem": "--labels does not list this episode."} | episode
             for touch, place in zip(touches, places, strict=True):
-                task = one["task"] if len(tasks) > 1 else NO_CLASS
+                task = episode["task"] if len(tasks) > 1 else NO_CLASS
                 halves = {half: name for half, name in (("vis", photo), ("tac", touch)) if name}
                 clip = Clip(
-                    read=partial(self._read, one, halves),
+                    read=partial(self._read, episode, halves),
                     name=f"episode {number} {place}".rstrip(),
                     domain=row.get("domain") or domain or place or set_name(self.root.resolve()),
                     material=class_key(row.get("material") or task) or NO_CLASS,

@@ -93,9 +93,9 @@ def stored_clips(
     for file in files:
         table = columns_of(file)
         found = [
-            Column(table, name, one, Place(names=(name,), still=False, camera=name))
+            Column(table, name, pictures, Place(names=(name,), still=False, camera=name))
             for name in table.names
-            if (one := table.pictures_of(name))
+            if (pictures := table.pictures_of(name))
         ]
         _require_pictures(found, [file])
         names = (file.stem.partition("-")[0], file.parent.name if file.parent != root else "")
@@ -154,16 +154,16 @@ def _grouped(
         place = column.place
         recordings[place.split, *place.units, "/", place.shot].columns.append(column)
     made = [*recordings.values()]
-    for one in made:
-        near_labels(one, columns)
+    for recording in made:
+        near_labels(recording, columns)
     from_lists(made)
     from_masks(made)
     from_table(made, labels)
     from_names(made, columns, files[0])
     named_classes(made, classes, files[0])
     if len(files) == 1:
-        for one in made:
-            one.place.split = one.place.split or split_of(files[0].stem)
+        for recording in made:
+            recording.place.split = recording.place.split or split_of(files[0].stem)
     return _clips(made, vis, tac, domain, (), root)
 
 
@@ -176,8 +176,10 @@ def _clips(
     root: Path,
 ) -> list[Clip]:
     """Return the clips of recordings whose labels are known, for each camera of touches."""
-    cameras = dict.fromkeys(c.place.camera or PICTURES for one in made for c in one.columns)
-    full = {c.name: c.place.camera or PICTURES for one in made for c in one.columns}
+    cameras = dict.fromkeys(
+        c.place.camera or PICTURES for recording in made for c in recording.columns
+    )
+    full = {c.name: c.place.camera or PICTURES for recording in made for c in recording.columns}
 
     def meant(name: str) -> str:
         """Return the camera that a person named, perhaps without the groups above it."""
@@ -187,9 +189,9 @@ def _clips(
     where = f"'{show(made[0].columns[0].table.place)}'"
     photo, touches, places = cameras_among([*cameras], meant(vis), [*map(meant, tac)], where)
     clips: list[Clip] = []
-    for one in made:
+    for recording in made:
         own: dict[str, Column] = {}
-        for column in one.columns:
+        for column in recording.columns:
             same = own.setdefault(column.place.camera or PICTURES, column)
             if same is not column:
                 raise DataError(
@@ -201,24 +203,24 @@ def _clips(
             if touch in there:
                 halves = {half: name for half, name in (("vis", photo), ("tac", touch)) if name}
                 name = domain or " ".join(filter(None, (*above, place)))
-                clips += _of_one(one, own, halves, name or set_name(root.resolve()))
+                clips += _of_one(recording, own, halves, name or set_name(root.resolve()))
     return clips
 
 
 def _of_one(
-    one: Recording, own: Mapping[str, Column], halves: Mapping[str, str], domain: str
+    recording: Recording, own: Mapping[str, Column], halves: Mapping[str, str], domain: str
 ) -> Iterator[Clip]:
     """Yield the clips of a recording with one camera of photos and one of touches: itself if it is
     numbered, or else one for each row.
     """
-    file = one.columns[0].table.place
+    file = recording.columns[0].table.place
     there = {half: own[name].pictures for half, name in halves.items() if name in own}
     lacking = [f"It has no pictures of '{show(n)}'." for n in halves.values() if n not in own]
-    problem = one.problem or "".join(lacking[:1])
+    problem = recording.problem or "".join(lacking[:1])
     rows = {half: pictures.rows for half, pictures in there.items() if pictures.rows}
     count = max(rows.values(), default=1)
-    varying = any(len({*texts}) > 1 for texts in one.texts.values())
-    film = any(one.place.counted) and bool(rows) and not varying
+    varying = any(len({*texts}) > 1 for texts in recording.texts.values())
+    film = any(recording.place.counted) and bool(rows) and not varying
     if not film and len({*rows.values()}) > 1 and not problem:
         shown = " and ".join(
             f"{n} pictures in {own[halves[half]].name}" for half, n in rows.items()
@@ -227,11 +229,11 @@ def _of_one(
     cameras = f"photo {halves.get('vis', 'none')}, touch {halves.get('tac', 'none')}"
     if film and len({*rows.values()}) > 1:
         cameras += ", paired by share where their numbers differ"
-    name = one.name or file.stem
+    name = recording.name or file.stem
     touch = there.get("tac") or there.get("vis")
     for k in range(1 if film or problem else count):
-        texts = {label: _text(one, label, k, count, film) for label in LABELS}
-        row = f"{name} {k:06d}" if (count > 1 and not film) or not one.name else name
+        texts = {label: _text(recording, label, k, count, film) for label in LABELS}
+        row = f"{name} {k:06d}" if (count > 1 and not film) or not recording.name else name
         lists = bool(there) and any(pictures.lengths for pictures in there.values())
         most = 1 if touch is None else touch.lengths[k] if touch.lengths else 1
         read = partial(_film, file, there) if film else partial(_row, file, there, k)
@@ -241,19 +243,21 @@ def _of_one(
             domain=texts["domain"] or domain,
             material=class_key(texts["material"]) or NO_CLASS,
             object=texts["object"] or (row if lists else ""),
-            split=checked_split(texts["split"], f"'{show(file)}', row {k}") or one.place.split,
+            split=checked_split(texts["split"], f"'{show(file)}', row {k}")
+            or recording.place.split,
             cameras=cameras,
             frames=max(1, touch.rows if film and touch else most),
         )
 
 
-def _text(one: Recording, label: str, row: int, count: int, film: bool) -> str:
+def _text(recording: Recording, label: str, row: int, count: int, film: bool) -> str:
     """Return a label of a row; raises DataError for other numbers of labels and pictures."""
-    texts = one.texts.get(label) or [""]
+    texts = recording.texts.get(label) or [""]
     if len(texts) not in (1, count) and not film:
         raise DataError(
-            f"'{show(one.columns[0].table.place)}' has {len(texts)} of {label}"
-            f"{f' in {show(one.name)}' if one.name else ''}, and {count} rows of pictures."
+            f"'{show(recording.columns[0].table.place)}' has {len(texts)} of {label}"
+            f"{f' in {show(recording.name)}' if recording.name else ''}, and {count} rows of"
+            " pictures."
         )
     return texts[row if len(texts) == count else 0]
 

@@ -145,8 +145,8 @@ def _touch(file: Path) -> Sensors:
         raise DataError(f"'{show(file)}' has no {missing[0]}, as a .touch file does.")
     config = object_in(str(there["config"][()]).encode(), f"config of '{show(file)}'")
     payload = {
-        str(one.get("label", "")).lower(): str(one.get("default") or "")
-        for one in _list(config, "payload")
+        str(entry.get("label", "")).lower(): str(entry.get("default") or "")
+        for entry in _list(config, "payload")
     }
     stated = {name: _payload(payload, name) for name in ("material", "object")}
     found: Sensors = {}
@@ -160,7 +160,7 @@ def _touch(file: Path) -> Sensors:
 
 def _list(config: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
     found = config.get(name)
-    return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    return [entry for entry in found if isinstance(entry, dict)] if isinstance(found, list) else []
 
 
 def _payload(payload: Mapping[str, str], name: str) -> str:

@@ -73,7 +73,7 @@ def write_pairs(
                 unequal.append(f"{clip.name} ({', '.join(f'{end:.1f} s' for end in ends)})")
             rows += _saved(clip, shots, work, done)
         if not rows:
-            why = [f" The first, '{one.what}': {one.why.rstrip('.')}." for one in skipped[:1]]
+            why = [f" The first, '{skip.what}': {skip.why.rstrip('.')}." for skip in skipped[:1]]
             raise DataError(f"None of the {len(clips)} recordings can be read.{''.join(why)}")
         write_csv(work / "pairs.csv", COLUMNS, rows)
     cameras = dict.fromkeys(clip.cameras for clip in clips if clip.cameras)
@@ -130,8 +130,8 @@ def moments(
     if pick == "contact":
         looks = even(max(frames, min(LOOKS, len(spans[touch][0]))))
         small = [
-            np.asarray(one.convert("L").resize((GRID, GRID), Image.Resampling.BOX), float)
-            for one in tracks[touch].pictures([share * ends[touch] for share in looks])
+            np.asarray(picture.convert("L").resize((GRID, GRID), Image.Resampling.BOX), float)
+            for picture in tracks[touch].pictures([share * ends[touch] for share in looks])
         ]
         change = np.array(small) - small[0]
         off = np.abs(change - np.median(change, axis=(1, 2), keepdims=True)).max(axis=(1, 2))

@@ -124,12 +124,13 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     tried = []
     for background in backgrounds:
         fields = [
-            derivatives(fast(one if background is None else one - background)) for one in small
+            derivatives(fast(picture if background is None else picture - background))
+            for picture in small
         ]
         moments = moments_of(fields)
         mixture, (least, second) = curl_free(moments.mean(np.ones(len(small))))
         tried.append((least / second, background, fields, moments, mixture))
-    ratio, background, fields, moments, mixture = min(tried, key=lambda one: one[0])
+    ratio, background, fields, moments, mixture = min(tried, key=lambda fit: fit[0])
     _require_one_gel(moments, ratio)
     found = colours_of(mixture, moments.mean(np.ones(len(small))))
     sure = _confidence(moments, found)

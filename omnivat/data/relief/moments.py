@@ -50,8 +50,8 @@ class Moments:
         share = weights / weights.sum(-1, keepdims=True)
         return Moments(
             *(
-                np.tensordot(share, one, 1)
-                for one in (self.colour, self.right, self.down, self.cross)
+                np.tensordot(share, moment, 1)
+                for moment in (self.colour, self.right, self.down, self.cross)
             )
         )
 
@@ -111,7 +111,9 @@ def split_of(moments: Moments, seed: int = 0) -> tuple[float, Array]:
         for _ in range(ROUNDS):
             ways = curl_free(moments.mean(np.stack([~second, second]).astype(float)))[0]
             a = ways.reshape(2, 1, 1, 6)
-            wound, all_of = ((a @ one @ a.swapaxes(-1, -2))[..., 0, 0] for one in (curl, energy))
+            wound, all_of = (
+                (a @ matrix @ a.swapaxes(-1, -2))[..., 0, 0] for matrix in (curl, energy)
+            )
             nearer = wound[1] * all_of[0] < wound[0] * all_of[1]
             if min(nearer.sum(), (~nearer).sum()) < 2 or (nearer == second).all():
                 break

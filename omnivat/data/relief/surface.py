@@ -104,7 +104,7 @@ def with_known_height(lamps: Lamps, picture: Array, *, pixel: float, height: flo
     """
     rise = float(np.quantile(heights(picture, lamps), 0.999))
     size, top = _number(pixel), _number(height)
-    if not all(0 < one < np.inf for one in (size, top, rise)):
+    if not all(0 < value < np.inf for value in (size, top, rise)):
         raise DataError(
             f"A pixel of {pixel!r:.40} mm and a height of {height!r:.40} mm, with a relief of"
             f" {rise:.3g}, give no scale; all three must be numbers above 0."

@@ -263,8 +263,8 @@ def _names(pairs: Sequence[Pair], files: Sequence[Path], root: str) -> dict[str,
     )
     others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in TEXTS}
     each = [dict(pair.numbers) for pair in pairs]
-    measured = dict.fromkeys(name for one in each for name in one if name not in ROW_NAMES)
-    numbers = {name: [one.get(name, "") for one in each] for name in measured}
+    measured = dict.fromkeys(name for row in each for name in row if name not in ROW_NAMES)
+    numbers = {name: [row.get(name, "") for row in each] for name in measured}
     return {"vis": short[::2], "tac": short[1::2], **others, **crops, **numbers}
 
 

@@ -104,7 +104,7 @@ def embed_pairs(
     if touch != "colours":
         require_filled(encoder_name, dots)
         lit = {} if lamps is None else lamps_of_domains(pairs.pairs, lamps)
-        found = {name: one for name, one in lit.items() if not isinstance(one, str)}
+        found = {name: lamps for name, lamps in lit.items() if not isinstance(lamps, str)}
         load_here = partial(load_here, touch=touch, lamps=found)
     begun = time.monotonic()
     encoder, parts, total = load_here(), Parts(out), len(pairs.pairs)

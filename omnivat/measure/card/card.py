@@ -83,9 +83,9 @@ def summed(read: list[Traits]) -> SensorCard:
             f"A sensor's card needs {FEWEST} touch images or more, better 25, and there {there};"
             " add some."
         )
-    sizes = [one.size for one in read]
+    sizes = [traits.size for traits in read]
     common = max(set(sizes), key=sizes.count)
-    same = [one for one in read if one.size == common]
+    same = [traits for traits in read if traits.size == common]
     found, unlit, unsettled = lit_by(same)
     halves = [lit_by(same[start::2])[0] for start in (0, 1)]
     agreement = None
@@ -97,8 +97,8 @@ def summed(read: list[Traits]) -> SensorCard:
         lamps=found,
         unlit=unlit,
         halves=agreement,
-        field=np.median([one.field for one in same], 0),
-        rows={name: np.array([_number(one, name) for one in read]) for name in EACH},
+        field=np.median([traits.field for traits in same], 0),
+        rows={name: np.array([_number(traits, name) for traits in read]) for name in EACH},
         strength=None if found is None else strength_of(same, found),
         missing=_missing(found, len(same)) if found or unsettled else "",
     )
@@ -107,7 +107,7 @@ def summed(read: list[Traits]) -> SensorCard:
 def lit_by(read: list[Traits]) -> tuple[Lamps | None, str, bool]:
     """Return the lamps of the pictures; or None, why not, and whether more pictures may help."""
     try:
-        return lamps((one.filled for one in read), dots="keep"), "", False
+        return lamps((traits.filled for traits in read), dots="keep"), "", False
     except NoLampsError as error:
         return None, str(error), isinstance(error, UnsettledError)
 
@@ -123,8 +123,8 @@ def strength_of(read: list[Traits], lit: Lamps) -> tuple[float, float] | None:
     plane, _, _ = np.linalg.svd(lit.colours)
     grey = plane[:, 2] * np.sign(plane[:, 2].sum())
     shares = []
-    for one in read:
-        light = fast(blurred(one.filled.astype(np.float32), SMOOTH * scale(one.filled)))
+    for traits in read:
+        light = fast(blurred(traits.filled.astype(np.float32), SMOOTH * scale(traits.filled)))
         coloured = np.square(light @ plane[:, :2]).sum(-1, keepdims=True)
         coloured, dark = fast(coloured), fast((light @ grey)[..., None].astype(np.float32))
         rim = max(1, round(RIM * scale(light)))
@@ -146,19 +146,19 @@ def cosine(a: Array, b: Array) -> float:
     return float((a * b).sum()) / length if length > 1e-9 else 0.0
 
 
-def _number(one: Traits, name: str) -> float:
-    tint = np.maximum(one.tint, 1.0)
+def _number(traits: Traits, name: str) -> float:
+    tint = np.maximum(traits.tint, 1.0)
     values: dict[str, Any] = {
-        "relief": lambda: np.log(one.coarse),
-        "sharpness": lambda: np.log(one.edge or np.nan),
-        "softness": lambda: np.log(one.soft / one.coarse),
-        "noise": lambda: np.log(max(one.noise, 0.1)),
+        "relief": lambda: np.log(traits.coarse),
+        "sharpness": lambda: np.log(traits.edge or np.nan),
+        "softness": lambda: np.log(traits.soft / traits.coarse),
+        "noise": lambda: np.log(max(traits.noise, 0.1)),
         "brightness": lambda: np.log(tint.mean()),
         "red": lambda: np.log(tint[0] / tint[1]),
         "blue": lambda: np.log(tint[2] / tint[1]),
-        "dots": lambda: float(one.dots is not None),
+        "dots": lambda: float(traits.dots is not None),
         "pitch": lambda: (
-            np.mean(one.dots.pitch) / min(one.filled.shape[:2]) if one.dots else np.nan
+            np.mean(traits.dots.pitch) / min(traits.filled.shape[:2]) if traits.dots else np.nan
         ),
     }
     return float(values[name]())

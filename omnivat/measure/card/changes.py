@@ -152,16 +152,16 @@ def changes_between(old: SensorCard, new: SensorCard) -> tuple[Change, ...]:
         *numbers_changed(old, new, arranged),
     ]
     grain = new.of("noise")[0] - old.of("noise")[0]
-    if grain > 0 and any(one.part == "noise" for one in rest):  # which drowns edges
-        rest = [one for one in rest if one.part != "sharpness"]
+    if grain > 0 and any(change.part == "noise" for change in rest):  # which drowns edges
+        rest = [change for change in rest if change.part != "sharpness"]
     # a crop also softens edges, and softening after the camera also smooths grain
     first = ("scale", "sharpness" if grain < 0 else "")
-    rest.sort(key=lambda one: (one.part not in first, -one.size))
+    rest.sort(key=lambda change: (change.part not in first, -change.size))
     seen: set[str] = set()
-    for one in rest:  # the strongest evidence of each part
-        if one.part not in seen:
-            seen.add(one.part)
-            found.append(one)
+    for change in rest:  # the strongest evidence of each part
+        if change.part not in seen:
+            seen.add(change.part)
+            found.append(change)
     return tuple(found)
 
 
@@ -169,10 +169,10 @@ def arrangement_of(old: SensorCard, new: SensorCard) -> tuple[Arrangement, Chang
     """Return how the old sensor's pictures are arranged in the new one's, and the change if any."""
     before = likeness(old, new, AS_IT_IS)
     best, after = AS_IT_IS, before
-    for one in ARRANGEMENTS:
-        now = likeness(old, new, one)
+    for arrangement in ARRANGEMENTS:
+        now = likeness(old, new, arrangement)
         if now.mean() > after.mean():
-            best, after = one, now
+            best, after = arrangement, now
     gained = float(after.mean() - before.mean())
     if best is AS_IT_IS or after.min() < (FITS if gained < FAR else NEARLY) or gained < GAIN:
         return AS_IT_IS, None
@@ -211,7 +211,8 @@ def lamps_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterato
     if old.lamps is None or new.lamps is None:
         return
     a, b = (
-        one / np.linalg.norm(one) for one in (turned(old.lamps.colours, way), new.lamps.colours)
+        colours / np.linalg.norm(colours)
+        for colours in (turned(old.lamps.colours, way), new.lamps.colours)
     )
     b = b if (a * b).sum() > 0 else -b
     unsure = 1.5 * (2 - old.lamps.confidence - new.lamps.confidence)
@@ -227,7 +228,7 @@ def lamps_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterato
 
 def difference(a: Array, b: Array) -> str:
     """Return how the lamps b (3, 2) differ from a, as a sentence."""
-    angles = [np.degrees(np.arctan2(one[:, 1], -one[:, 0])) for one in (a, b)]
+    angles = [np.degrees(np.arctan2(lamps[:, 1], -lamps[:, 0])) for lamps in (a, b)]
     turns = (angles[1] - angles[0] + 180) % 360 - 180
     weight = np.linalg.norm(a, axis=1)
     middle = float(np.average(turns, weights=weight))
@@ -247,7 +248,7 @@ def difference(a: Array, b: Array) -> str:
 
 def dots_changed(old: SensorCard, new: SensorCard) -> Iterator[Change]:
     """Yield the change of the printed dots."""
-    a, b = (float(one.rows["dots"].mean()) for one in (old, new))
+    a, b = (float(card.rows["dots"].mean()) for card in (old, new))
     shared = (a * old.pictures + b * new.pictures) / (old.pictures + new.pictures)
     spread = np.sqrt(shared * (1 - shared) * (1 / old.pictures + 1 / new.pictures))
     size = abs(b - a) / max(0.35, SURE * float(spread))

@@ -43,7 +43,7 @@ def differences(embeddings: Embeddings, source: str = "") -> list[str]:
     for name in [*cards][1:]:
         found = changes_between(cards[first], cards[name])
         clauses = [CLAUSE.split(change.evidence)[0] for change in found]
-        words = "; ".join(one[:1].lower() + one[1:] for one in clauses)
+        words = "; ".join(clause[:1].lower() + clause[1:] for clause in clauses)
         if words:
             lines.append(
                 f"{printable(name)} against {printable(first)}: {words}; the rest is as before."

@@ -37,7 +37,9 @@ class Live:
         """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
         clip = self.load()
         pictures = (self.read(name, row) for row in self.rows[rows].tolist())
-        return torch.stack([pixels(one, clip.mean, clip.std, clip.side) for one in pictures])
+        return torch.stack(
+            [pixels(picture, clip.mean, clip.std, clip.side) for picture in pictures]
+        )
 
     def drawn(self, rows: Tensor) -> Tensor:
         """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""

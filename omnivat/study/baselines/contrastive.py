@@ -49,7 +49,7 @@ def _unit(projection: nn.Module, rows: Tensor) -> Tensor:
 
 def _probed(**probes: Fitted) -> Predict:
     """Return the predictions of a probe for each reading."""
-    return lambda vis, tac: {n: one.predict(vis, tac)["fused"] for n, one in probes.items()}
+    return lambda vis, tac: {n: probe.predict(vis, tac)["fused"] for n, probe in probes.items()}
 
 
 def fit_vt_cmc(source: Source) -> Fitted:

@@ -88,15 +88,15 @@ def compare(
     drawn, measured, gap_rows, costs = draws_of(first.embeddings, sources), {}, {}, {}
     total = len(sets) * (len(sources) + 1)
     with one_thread(), one_blas_thread():
-        for k, (name, one) in enumerate(sets.items()):
+        for k, (name, features) in enumerate(sets.items()):
 
             def show(source: str, k: int = k, name: str = name) -> None:
                 done = k * (len(sources) + 1) + sources.index(source) + 1
                 on_step(Step(done=done, total=total, text=f"{name}, {source}"))
 
-            measured[name] = _measured(one, sources, values, drawn, draws, seed, show)
-            gap_rows[name] = _gaps(one)
-            costs[name] = cost_of(one.embeddings.header) if cost else None
+            measured[name] = _measured(features, sources, values, drawn, draws, seed, show)
+            gap_rows[name] = _gaps(features)
+            costs[name] = cost_of(features.embeddings.header) if cost else None
             on_step(Step(done=(k + 1) * (len(sources) + 1), total=total, text=f"{name}, gaps"))
     data = first.embeddings
     enough = _enough(first)
@@ -117,15 +117,15 @@ def compare(
         "sets": [
             {
                 "name": name,
-                "encoder": one.embeddings.header.encoder,
-                "preprocessing": one.embeddings.header.preprocessing,
-                "width": one.embeddings.width,
-                "lamps_from": max(one.embeddings.header.lit_by.values(), default=0),
+                "encoder": features.embeddings.header.encoder,
+                "preprocessing": features.embeddings.header.preprocessing,
+                "width": features.embeddings.width,
+                "lamps_from": max(features.embeddings.header.lit_by.values(), default=0),
                 "cells": {i: cells[i][name] for i in ids},
                 "gaps": gap_rows[name],
                 "cost_ms": costs[name],
             }
-            for name, one in sets.items()
+            for name, features in sets.items()
         ],
     }
 
@@ -144,15 +144,17 @@ def predicted_numbers(
     with one_thread(), one_blas_thread():
         made = _measured(features, sources, values, drawn, draws, seed, lambda _: None)
     enough = _enough(features)
-    return [{"id": i, "title": _title(i), **_ends(one, enough)} for i, one in made.items()]
+    return [
+        {"id": i, "title": _title(i), **_ends(resampled, enough)} for i, resampled in made.items()
+    ]
 
 
 def sentence(target: str, records: list[Record]) -> str:
     """Return `predicted_numbers` in words."""
 
-    def words(one: Record) -> str:
-        ends = "" if one["low"] is None else f" [{one['low']:.2f}, {one['high']:.2f}]"
-        return f"{one['title']} {one['value']:.2f}{ends}"
+    def words(entry: Record) -> str:
+        ends = "" if entry["low"] is None else f" [{entry['low']:.2f}, {entry['high']:.2f}]"
+        return f"{entry['title']} {entry['value']:.2f}{ends}"
 
     return f"{target}, predicted by ridge regression: {'; '.join(map(words, records))}."
 
@@ -172,7 +174,7 @@ def _enough(features: Features) -> bool:
 
 
 def _measured(
-    one: Features,
+    features: Features,
     sources: list[str],
     values: Array | None,
     drawn: Draws,
@@ -182,7 +184,7 @@ def _measured(
 ) -> dict[str, Resampled]:
     how: dict[str, Any] = {"draws": draws, "seed": seed, "on_source": show}
     if values is None:
-        made = rights(one, sources, **how)
+        made = rights(features, sources, **how)
         homes = {c.id: c.home for c in COLUMNS}
         found = {i: drawn.mean(table, home=homes[i]) for i, table in made.items()}
     else:
@@ -190,7 +192,7 @@ def _measured(
         for column, (squares, sizes) in (
             (c, table)
             for c, table in zip(
-                OF_NUMBERS, errors(one, sources, values, **how).values(), strict=True
+                OF_NUMBERS, errors(features, sources, values, **how).values(), strict=True
             )
         ):
             found[f"{column.id}:r2"] = drawn.explained(squares, values, home=column.home)
@@ -209,29 +211,29 @@ def _cells(of: Mapping[str, Resampled], id: str, enough: bool) -> dict[str, Reco
     sign = -1 if id.endswith(":mae") else 1
     first = next(iter(of.values()))
     lead = max(of, key=lambda name: sign * of[name].value)
-    others = {(name, ""): one for name, one in of.items() if name != lead}
+    others = {(name, ""): resampled for name, resampled in of.items() if name != lead}
     leads = simultaneous(of[lead], others) if enough else {}
-    sure = enough and all((one.low if sign > 0 else -one.high) > 0 for one in leads.values())
+    sure = enough and all((lead.low if sign > 0 else -lead.high) > 0 for lead in leads.values())
     return {
         name: {
-            **_ends(one, enough),
-            "less": _ends(one.less(first), enough) if one is not first else None,
+            **_ends(resampled, enough),
+            "less": _ends(resampled.less(first), enough) if resampled is not first else None,
             "best": bool(sure and name == lead),
         }
-        for name, one in of.items()
+        for name, resampled in of.items()
     }
 
 
-def _ends(one: Resampled, enough: bool) -> Record:
+def _ends(resampled: Resampled, enough: bool) -> Record:
     if not enough:
-        return {"value": one.value, "low": None, "high": None}
-    low, high = np.quantile(one.draws, [0.025, 0.975])
-    return {"value": one.value, "low": float(low), "high": float(high)}
+        return {"value": resampled.value, "low": None, "high": None}
+    low, high = np.quantile(resampled.draws, [0.025, 0.975])
+    return {"value": resampled.value, "low": float(low), "high": float(high)}
 
 
-def _gaps(one: Features) -> Record:
+def _gaps(features: Features) -> Record:
     """Return both gaps by the distance of centroids, each with its floor."""
-    records = gaps(one, ignore, (GAP,))
+    records = gaps(features, ignore, (GAP,))
     found = {
         r["modality"]: r for r in records if "gap" in r["part"] and r["note"].startswith("mean,")
     }

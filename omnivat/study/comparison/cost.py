@@ -38,12 +38,12 @@ def cost_of(header: Header) -> float | None:
             return None
         each = []
         for modality in header.modalities:
-            one = for_modality(encoder, modality)
+            own = for_modality(encoder, modality)
             times = []
             for _ in range(1 + ROUNDS):
                 start = time.process_time()
                 with torch.inference_mode():
-                    one.embed(one.preprocess(picture)[None])
+                    own.embed(own.preprocess(picture)[None])
                 times.append(time.process_time() - start)
             each.append(float(np.median(times[1:])))
     except (OmniVatError, TypeError):  # weights elsewhere, or several pictures are wanted

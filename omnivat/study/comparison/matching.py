@@ -31,17 +31,17 @@ def matched(sets: Mapping[str, Features], view: str = "") -> dict[str, Features]
         has = "; ".join(f"'{printable(n)}' has {'+'.join(s.modalities)}" for n, s in sets.items())
         raise DataError(f"The sets share no {view or 'modality'}: {has}. Choose others.")
     columns = [c for c in ("object", "vis", "tac", "split") if _named(sets, c)]
-    keys = {name: _keys(one, columns) for name, one in sets.items()}
+    keys = {name: _keys(features, columns) for name, features in sets.items()}
     (first, wanted), *others = keys.items()
     for name, own in others:
         _require_same(first, wanted, name, own)
     unique = len({*wanted}) == len(wanted)
     found = {}
-    for name, one in sets.items():
+    for name, features in sets.items():
         place = {key: k for k, key in enumerate(keys[name])}
         rows = np.array([place[key] for key in wanted]) if unique else np.arange(len(wanted))
-        data = _unpadded(one.embeddings.select(rows), kept)
-        found[name] = replace(one, embeddings=data, modalities=kept)
+        data = _unpadded(features.embeddings.select(rows), kept)
+        found[name] = replace(features, embeddings=data, modalities=kept)
     return found
 
 
@@ -59,12 +59,12 @@ def _unpadded(data: Embeddings, kept: tuple[str, ...]) -> Embeddings:
 
 def _named(sets: Mapping[str, Features], column: str) -> bool:
     """True if every set names this column of its pairs itself."""
-    texts = [text for one in sets.values() for text in one.embeddings.rows[column]]
+    texts = [text for features in sets.values() for text in features.embeddings.rows[column]]
     return all(texts) and (column == "split" or not any(_NUMBERED.fullmatch(t) for t in texts))
 
 
-def _keys(one: Features, columns: list[str]) -> list[Key]:
-    data: Any = one.embeddings
+def _keys(features: Features, columns: list[str]) -> list[Key]:
+    data: Any = features.embeddings
     names = [[PurePath(text).name for text in data.rows[column]] for column in columns]
     places = [[data.header.domains[d] for d in data.domain]]
     places += [[data.header.classes[c] for c in data.label]]

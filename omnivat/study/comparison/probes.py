@@ -88,7 +88,7 @@ def rights(
                 continue
             known = column.known(data, source) if column.known else NOTHING
             seeds = known.seeds(seed, draws)
-            each = np.stack([_away(reader, data, known, one) for one in seeds])
+            each = np.stack([_away(reader, data, known, draw) for draw in seeds])
             right = np.where(each < 0, np.nan, each == data.label)
             made[column.id][s] = np.where(learned, _mean(right), np.nan)
         on_source(source)
@@ -118,7 +118,7 @@ def errors(
             else:
                 known = column.known(data, source) if column.known else NOTHING
                 seeds = known.seeds(seed, draws)
-                each = np.stack([_away(reader, data, known, one, numbers=True) for one in seeds])
+                each = np.stack([_away(reader, data, known, draw, numbers=True) for draw in seeds])
             off = np.where(tested, each - values, np.nan)
             made[column.id][:, s] = _mean(off**2), _mean(abs(off))
         on_source(source)
@@ -238,8 +238,8 @@ def _taught_maps(features: Features, source: str, rows: Array) -> Reader:
     own, own_labels = _standard(_raw(data, rows, names), profile), data.label[rows]
 
     def taught(lessons: Sequence[Lesson]) -> Reader:
-        raw = {n: torch.cat([getattr(one, n) for one in lessons]) for n in names}
-        some = label_map(classes, tuple(one.label for one in lessons))
+        raw = {n: torch.cat([getattr(lesson, n) for lesson in lessons]) for n in names}
+        some = label_map(classes, tuple(lesson.label for lesson in lessons))
         every = np.concatenate((own_labels, some))
         weights = np.ones(len(every))
         weights[len(own) :] = WEIGHT / np.bincount(some).max()

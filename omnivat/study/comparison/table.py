@@ -16,19 +16,19 @@ def table(found: Record) -> str:
     head = ["set", *(c["title"] for c in columns), *kinds.values(), "values", "ms a picture"]
     rows = [
         [
-            one["name"],
-            *(_cell(one["cells"].get(c["id"]), c["id"]) for c in columns),
-            *(_gap(one["gaps"].get(kind)) for kind in kinds),
-            str(one["width"]),
-            "–" if one["cost_ms"] is None else f"{one['cost_ms']:.0f}",
+            entry["name"],
+            *(_cell(entry["cells"].get(c["id"]), c["id"]) for c in columns),
+            *(_gap(entry["gaps"].get(kind)) for kind in kinds),
+            str(entry["width"]),
+            "–" if entry["cost_ms"] is None else f"{entry['cost_ms']:.0f}",
         ]
-        for one in found["sets"]
+        for entry in found["sets"]
     ]
     first, *others = found["sets"]
     less = [
-        [f"{one['name']} less {first['name']}"]
-        + [_cell((one["cells"].get(c["id"]) or {}).get("less"), c["id"], "+") for c in columns]
-        for one in others
+        [f"{entry['name']} less {first['name']}"]
+        + [_cell((entry["cells"].get(c["id"]) or {}).get("less"), c["id"], "+") for c in columns]
+        for entry in others
     ]
     differences = markdown(["difference", *(c["title"] for c in columns)], less)
     return "\n\n".join((markdown(head, rows), differences, " ".join(notes(found)))) + "\n"
@@ -74,16 +74,16 @@ def notes(found: Record) -> list[str]:
 def chart(found: Record) -> list[dict[str, Any]]:
     """Return the records of `figures.dots`: shares, or R² of numbers."""
     return [
-        {"row": one["name"], "series": c["title"], **one["cells"][c["id"]]}
-        for one in found["sets"]
+        {"row": entry["name"], "series": c["title"], **entry["cells"][c["id"]]}
+        for entry in found["sets"]
         for c in found["columns"]
-        if c["id"] in one["cells"] and not c["id"].endswith(":mae")
+        if c["id"] in entry["cells"] and not c["id"].endswith(":mae")
     ]
 
 
 def _gaps(found: Record) -> dict[str, str]:
     """Return the gaps that are shown: of modalities, and of touches or else of photos."""
-    there = dict.fromkeys(kind for one in found["sets"] for kind in one["gaps"])
+    there = dict.fromkeys(kind for entry in found["sets"] for kind in entry["gaps"])
     of = "tac" if found["view"] != "vis" else "vis"
     wanted = {
         "between modalities": "gap of photo and touch",
@@ -92,16 +92,16 @@ def _gaps(found: Record) -> dict[str, str]:
     return {kind: title for kind, title in wanted.items() if kind in there}
 
 
-def _gap(one: Record | None) -> str:
-    if one is None or math.isnan(one["value"]):
+def _gap(interval: Record | None) -> str:
+    if interval is None or math.isnan(interval["value"]):
         return "–"
-    level = "" if one["floor"] is None else f" ({one['floor']:.2f})"
-    return f"{one['value']:.2f}{level}"
+    level = "" if interval["floor"] is None else f" ({interval['floor']:.2f})"
+    return f"{interval['value']:.2f}{level}"
 
 
-def _cell(one: Record | None, id: str, sign: str = "") -> str:
+def _cell(cell: Record | None, id: str, sign: str = "") -> str:
     """Return "71.3 [67.0, 75.1]", bold for the best; `sign` "+" for differences."""
-    if one is None:
+    if cell is None:
         return "–"
 
     def number(value: float, sign: str = sign) -> str:
@@ -109,5 +109,9 @@ def _cell(one: Record | None, id: str, sign: str = "") -> str:
             return f"{value:{sign}.3g}"
         return f"{100 * value:{sign}.1f}"
 
-    ends = "" if one["low"] is None else f" [{number(one['low'], '')}, {number(one['high'], '')}]"
-    return f"**{number(one['value'])}**{ends}" if one.get("best") else number(one["value"]) + ends
+    ends = (
+        "" if cell["low"] is None else f" [{number(cell['low'], '')}, {number(cell['high'], '')}]"
+    )
+    return (
+        f"**{number(cell['value'])}**{ends}" if cell.get("best") else number(cell["value"]) + ends
+    )

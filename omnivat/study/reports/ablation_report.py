@@ -62,14 +62,14 @@ def ablation_table(
     why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
     rows = []
-    for row, one in table.rows.items():
+    for row, record in table.rows.items():
         runs, cells = completed(records, method_name(row)), []
         for source in sources:
             cells += [score_cell(runs, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
             cells.append(score_cell(runs, sources))
         counts = [r["parameters"] for r in runs if r["source"] in sources]
-        rows.append([one.label, *cells, count_text(counts)])
+        rows.append([record.label, *cells, count_text(counts)])
     header = ["variant", *(text for source in sources for text in (f"{source} → X", printed))]
     header += [*["average"] * (len(sources) > 1), "parameters"]
     # sources without printed figures

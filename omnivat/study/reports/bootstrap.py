@@ -69,7 +69,7 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
         if {(r["source"], r["seed"]) for r in runs} != grid:
             continue
         answers = [target.get("answers", {}) for r in runs for target in r["targets"].values()]
-        rows += [(method, name) for name in readings if all(name in one for one in answers)]
+        rows += [(method, name) for name in readings if all(name in target for target in answers)]
     return rows
 
 

@@ -90,7 +90,7 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
 
     def cell(source: str, target: str) -> str:
         of_source = [r["targets"] for r in runs if r["source"] == source]
-        scores = [one[target]["scores"]["fused"] for one in of_source if target in one]
+        scores = [run[target]["scores"]["fused"] for run in of_source if target in run]
         means = (percent(spread([s[metric] for s in scores]).mean) for metric in SCORES)
         return " / ".join(means) if scores else ""
 

@@ -42,10 +42,10 @@ def by_run(
 ) -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean over targets of a score of one method's completed runs."""
     found = {}
-    for one in records:
-        scores = [target["scores"] for target in one["targets"].values()]
+    for record in records:
+        scores = [target["scores"] for target in record["targets"].values()]
         values = [score[which][metric] for score in scores if which in score]
-        found[one["source"], one["seed"]] = spread(values).mean
+        found[record["source"], record["seed"]] = spread(values).mean
     return found
 
 

@@ -34,7 +34,7 @@ def margins_report(records: Sequence[Record]) -> str:
 
     def cell(runs: list[Record], target: str) -> str:
         margins = (run["targets"].get(target, {}).get("margins", {}) for run in runs)
-        return margin_text([one.get("pair") for one in margins], 1, 3)
+        return margin_text([margin.get("pair") for margin in margins], 1, 3)
 
     table = method_table(
         found,

@@ -63,7 +63,7 @@ def margin_table(records: Sequence[Record]) -> str:
     def cell(runs: list[Record], target: str) -> str:
         margins = [r["targets"][target]["margins"] for r in runs if target in r["targets"]]
         return " / ".join(
-            margin_text([one.get(kind) for one in margins], 100, 1)
+            margin_text([margin.get(kind) for margin in margins], 100, 1)
             for kind in ("pair", "vis", "tac")
         )
 

@@ -126,7 +126,7 @@ def _summed(measure: str, whole: Gaps, *parts: Gaps) -> list[Record]:
     for modality in dict.fromkeys(key[0] for key in whole):
         keys = [key for key in whole if key[0] == modality]
         part = "domain gap" if modality else "modality gap"
-        mean, *others = (float(np.nanmean([one[k] for k in keys])) for one in (whole, *parts))
+        mean, *others = (float(np.nanmean([values[k] for k in keys])) for values in (whole, *parts))
         half = T_BLOCKS * float(np.sqrt((BLOCKS - 1) * np.var(others)))
         low, high = max(0.0, mean - half), mean + half
         if measure == "proxy_a":

@@ -64,8 +64,8 @@ def write_report(
         write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
         write_text(text, words + "\n")
         files = [
-            figures.write(page.parent / "figures" / f"{name}.svg", one)
-            for name, one in drawn.items()
+            figures.write(page.parent / "figures" / f"{name}.svg", chart)
+            for name, chart in drawn.items()
         ]
         write_text(page, figures.html_page("Domain shift", _page(features, records, drawn, words)))
     return [table, text, *files, page]
@@ -218,11 +218,11 @@ def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: st
     parts: list[Any] = [
         f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in notes(features))
     ]
-    parts += [one for name, one in drawn.items() if name.startswith("map")]
+    parts += [chart for name, chart in drawn.items() if name.startswith("map")]
     if gap_means := _means(records, "modality gap", "domain gap"):
         table = _gap_table(gap_means, _floors(records))
         parts += ["<h2>Gaps, means with 95 % intervals</h2>" + table]
-    parts += [one for name, one in drawn.items() if not name.startswith("map")]
+    parts += [chart for name, chart in drawn.items() if not name.startswith("map")]
     if "probe" in drawn:
         head = ("probe of", "accuracy", "over", "mean", "95 % interval")
         cells = [

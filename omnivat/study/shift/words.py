@@ -24,8 +24,8 @@ def notes(features: Features) -> list[str]:
     if len(features.domains) < 2:
         words.append("One domain: there is no gap between domains, and no probe meets another one.")
     if len(features.modalities) < 2:
-        one = VIEWS[features.modalities[0]]
-        words.append(f"One modality ({one}): there is no gap between modalities and no retrieval.")
+        view = VIEWS[features.modalities[0]]
+        words.append(f"One modality ({view}): there is no gap between modalities and no retrieval.")
     if not features.labelled:
         words.append("No classes: probes and mAP are left out.")
     sizes = {name: len(features.members(name)) for name in features.domains}
