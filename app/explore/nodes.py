@@ -51,9 +51,11 @@ def tree(resources: Resources, question: Question) -> Reply:
 
 
 def votes(resources: Resources, question: Question) -> Reply:
-    """Return each node's most frequent class over the set, at the learned p.
+    """Return the class that each node of the tree predicts most often over the set, at the
+    learned p.
 
-    return  {"votes": [{"class", "share"}, …], "pairs": number of pairs}
+    question  {"head": name of the head, the first one if left out}
+    return    {"votes": [{"class", "share"}, …], "pairs": number of pairs}; a share is in [0, 1]
     """
     from omnivat.maps.nodes import node_votes
 

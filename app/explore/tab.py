@@ -53,9 +53,10 @@ def nearest(features: "Array", point: int) -> list[Reply]:
 
 
 def unseen(resources: Resources) -> Reply:
-    """Return the accuracy of the first head in unseen domains, as `omnivat.measure.unseen` has it.
+    """Return the record of `omnivat.measure.unseen` for the first head: its accuracy in unseen
+    domains.
 
-    Values of each pair are `packed`: a list of numbers would need five times as many bytes.
+    The values of each pair are packed as base64: JSON numbers would need five times as many bytes.
     """
     from omnivat.measure.unseen import unseen_summary
 

@@ -46,8 +46,11 @@ def teach(resources: Resources, question: Question) -> Reply:
 
 
 def curve(resources: Resources, question: Question) -> Reply:
-    """Return what labels bring: `points` (objects of a class, share of right pairs, least and most
-    over draws), and `words`. The question is that of `teach`.
+    """Return the accuracy on left-out objects against the number of labelled objects of a class.
+
+    question  as for `teach`
+    return    `points`: objects of a class, share of correct pairs, least and largest share over
+              the draws; `words`: the curve in a sentence
     """
     from omnivat.head import curve as labels
 
@@ -57,8 +60,9 @@ def curve(resources: Resources, question: Question) -> Reply:
 
 
 def own_set(resources: Resources, question: Question) -> "Embeddings":
-    """Return the visitor's labelled pairs as a set of one domain; raises DataError if none has
-    both images.
+    """Return the visitor's labelled pairs that have both images, as a set of one domain.
+
+    Raises DataError if no pair has both images.
     """
     import numpy as np
 
@@ -69,7 +73,7 @@ def own_set(resources: Resources, question: Question) -> "Embeddings":
         raise DataError(
             "A set needs pairs of both images; label at least one photo with its touch."
         )
-    # as they come: a profile is a file of its own
+    # The set keeps raw embeddings: a profile is saved as a file of its own.
     lessons, _ = lessons_of(resources, {"lessons": whole})
     labels = [lesson.label for lesson in lessons]
     classes = tuple(dict.fromkeys(labels))

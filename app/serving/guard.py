@@ -238,7 +238,11 @@ def _place(origin: str) -> tuple[str, int | None]:
 
 
 def headers(page: bytes, rules: Rules) -> dict[str, str]:
-    """Return the response headers; they allow only the inline scripts of `page`."""
+    """Return the response headers by name.
+
+    page   the HTML; its inline scripts are the only ones that the browser may run
+    rules  `framed` lets other sites show the page in a frame
+    """
     hashes = " ".join(
         f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page)
     )

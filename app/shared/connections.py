@@ -1,4 +1,4 @@
-"""What one address may take of the server: connections, seconds for what it sends and reads, and
+"""Limits for one address: connections, seconds for what it sends and reads, and
 requests at a time.
 
 uvicorn limits the connections of all addresses and the seconds between two requests. A request's
@@ -41,7 +41,7 @@ class Connection(h11_impl.H11Protocol):
     def __init__(self, config: Any, server_state: Any, app_state: Any, _loop: Any = None) -> None:
         super().__init__(config, server_state, {**app_state, "connection": self}, _loop)
         self.limit_concurrency, self.timeout_keep_alive = CONNECTIONS, IDLE_S
-        self._visitor = ""  # whose connection it is
+        self._visitor = ""  # address of the visitor who opened this connection
         self._timed: Any = None  # the state of the visitor that has a time limit
         self._limits: dict[str, asyncio.TimerHandle] = {}
 
@@ -110,7 +110,7 @@ class Connection(h11_impl.H11Protocol):
 
 
 class Turns:
-    """An ASGI application of which each visitor has AT_ONCE requests at a time; more wait."""
+    """An ASGI application that serves AT_ONCE requests of a visitor at a time; others wait."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,5 +1,6 @@
-"""How a visitor's touches are mended before they are read: turned, mirrored, with swapped channels,
-or with their printed dots filled. A request names it in `mend`, as words; "" is as they come.
+"""Correct a visitor's touch images before they are embedded: turn or mirror them, swap their
+channels, or fill their printed dots. A request lists the corrections in `mend`, as words; "" is
+none.
 """
 
 from typing import TYPE_CHECKING
@@ -25,7 +26,7 @@ def mend_in(question: Question) -> str:
 
 
 def mended(touch: "Image", mend: str) -> "Image":
-    """Return a touch, RGB, mended; the same object for ""."""
+    """Return a touch image (RGB) with the corrections of `mend`; the same object for ""."""
     if FILL in mend.split():
         import numpy as np
         from PIL.Image import fromarray

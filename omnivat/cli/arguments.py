@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 
 DEVICE = (
-    "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds where this"
-    " is left out"
+    "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE changes the"
+    " default"
 )
 EMBEDDINGS = "embeddings file; default: the project's simulated domains"
 HEAD = (
-    "folder of a trained head; own: the project's head of all simulated domains, head: that of one;"
-    " default: head, of `predict` and `teach` own"
+    "folder of a trained head, or a head of the project: 'own' was trained on all simulated"
+    " domains, 'head' on one; default: own for `predict` and `teach`, else head"
 )
-ORDER = "fractional order p, -4 to 4 quarter turns; default: the learned one"
+ORDER = "fractional order p, -4 to 4 quarter turns; default: the order that the head learned"
 PROFILE = "profile of a sensor (`omnivat profile`); once or for several domains"
 REST = (
     "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest"
@@ -155,8 +155,10 @@ def one_of(choices: Sequence[Any], words: str = "", first: Any = None) -> Option
 
 
 def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Option) -> None:
-    """Declare options: those that several commands have by name, with a help text of their own, or
-    whole.
+    """Declare options of a command.
+
+    names    options that several commands share
+    options  a shared option with another help text (str), or an option of this command alone
     """
     shared: dict[str, Option] = {
         "device": {"default": named(), "help": DEVICE},
@@ -177,7 +179,7 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
             "type": numbers,
             "default": (0, 1, 2),
             "metavar": "0,1,2",
-            "help": "a run for each",
+            "help": "seeds, one run for each",
         },
         "set": several("", "key=value", type=assigned),
         "target": text(TARGET, "COLUMN"),
@@ -190,8 +192,8 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
         "flip": several(FLIP, "[DOMAIN=]WAY"),
         "channels": several(CHANNELS, "[DOMAIN=]bgr"),
-        "vis": text("photos: a folder, column or camera; default: by its words", "NAME"),
-        "tac": text("touches: a folder, column or camera; default: by its words", "NAME"),
+        "vis": text("photos: a folder, column or camera; default: recognised by name", "NAME"),
+        "tac": text("touches: a folder, column or camera; default: recognised by name", "NAME"),
         "weights": path("checkpoint of the encoder"),
         "workers": count("threads; default: all cores"),
     }
@@ -238,8 +240,10 @@ def halves(options: argparse.Namespace) -> dict[str, str]:
 def head_and_set(
     options: argparse.Namespace, *, sample: int = 0, profiled: bool = True
 ) -> "tuple[Head, Embeddings]":
-    """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the
-    profiles of the options.
+    """Return the head and the embeddings of the options; raises DataError if they do not fit.
+
+    sample    number of random pairs; 0: all
+    profiled  standardise each domain by the profiles of --profile
     """
     from omnivat.data.profile_file import load_profile
     from omnivat.data.store import load_embeddings

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 def add(parser: argparse.ArgumentParser) -> None:
     words = "tactile pictures, or folders of them"
     parser.add_argument("pictures", nargs="+", type=Path, metavar="PICTURES", help=words)
-    declare(parser, "out")
+    declare(
+        parser, out={"type": Path, "required": True, "metavar": "DIR", "help": "folder to write"}
+    )
 
 
 def run(options: argparse.Namespace) -> None:

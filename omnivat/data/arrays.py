@@ -143,10 +143,10 @@ def walked(
 
 
 def require_range(blocks: Iterable[NDArray[Any]], what: str) -> Iterator[NDArray[Any]]:
-    """Yield blocks of rows (N, D); their largest magnitude has to be 0 or from LEAST to MOST.
+    """Yield blocks of rows (N, D) whose largest magnitude is 0 or in [LEAST, MOST].
 
-    Beyond, squares overflow or vanish in single precision, and a figure is wrong without a word.
-    Raises DataError with row and column.
+    Squares of other values overflow or vanish in single precision, and figures would be wrong
+    without a warning. Raises DataError with the row and column of a value that is too large.
     """
     start, largest = 0, 0.0
     for block in blocks:
@@ -154,8 +154,8 @@ def require_range(blocks: Iterable[NDArray[Any]], what: str) -> Iterator[NDArray
         if not (size <= MOST).all():  # also true of NaN
             row, at = np.argwhere(~(size <= MOST))[0].tolist()
             raise DataError(
-                f"{what} has {block[row, at]:g} in row {start + row}, column {at}, and at most"
-                f" {MOST:g} is taken; look at the encoder, or scale all rows."
+                f"{what} has {block[row, at]:g} in row {start + row}, column {at}, where"
+                f" magnitudes up to {MOST:g} are accepted; check the encoder, or scale all rows."
             )
         largest, start = max(largest, float(size.max(initial=0))), start + len(block)
         yield block

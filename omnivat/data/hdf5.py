@@ -67,7 +67,12 @@ def arrays(file: Path) -> tuple[dict[str, Stored], Mapping[str, Mapping[str, Any
 def part(
     _: bytes, *, file: str, name: str = "", where: list[int] | None = None
 ) -> tuple[dict[str, Any], bytes]:
-    """Return what is stated about all arrays; or a part of one. Runs in the limited process."""
+    """Return shape, type and attributes of all arrays, or with a `name` the values of that array.
+
+    where  start of the index: the first axes are fixed
+
+    Runs in the limited process.
+    """
     import h5py
 
     with h5py.File(file, "r") as handle:

@@ -149,7 +149,7 @@ def opened(
 
 
 def _accepts(kind: str, content: bytes, name: str) -> bool:
-    """Return whether a file's first bytes are of a kind, and load its decoder."""
+    """Load the decoder of a kind of file; return True if the first bytes are of this kind."""
     if kind == "HEIF":
         if content[4:8] != b"ftyp" or not any(brand in content[8:64] for brand in HEIC):
             return False

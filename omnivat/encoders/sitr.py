@@ -111,8 +111,9 @@ def _side(state: Weights) -> int:
     grid = isqrt(places)
     if width % HEAD or grid**2 != places:
         raise DataError(
-            f"'{state.file}' has layers of width {width} and {places} places; SITR's are a"
-            f" multiple of {HEAD} and a square. Name the file that SITR's authors publish."
+            f"'{state.file}' has width {width} and {places} patches; SITR's width is a multiple of"
+            f" {HEAD}, and its number of patches is a square. Name the file that SITR's authors"
+            " published."
         )
     return grid * patch
 

@@ -189,9 +189,10 @@ def averaged(output: Tensor) -> Tensor:
 
 
 def probed(encoder: Any) -> Tensor:
-    """Return an encoder's vector of a test picture: two runs have to give one that is finite.
+    """Return an encoder's vector (D,) of a test picture.
 
-    Raises DataError with what it gave instead.
+    Raises DataError if the vector is not finite or not of shape (1, D), or if a second run gives
+    another one.
     """
     context = {"before": NOISE, "rest": NOISE, "sensor": getattr(encoder, "sensor", "") or "DIGIT"}
     image = encoder.preprocess(NOISE, **{name: context[name] for name in takes_of(encoder)})
@@ -199,8 +200,8 @@ def probed(encoder: Any) -> Tensor:
     known = not first.is_meta  # a device without values
     if first.ndim != 2 or len(first) != 1 or (known and not first.isfinite().all()):
         raise DataError(
-            f"'{encoder.name}' gave a tensor of shape {tuple(first.shape)} for one image, and one "
-            "finite vector (1, D) is wanted; a TorchEncoder takes pool= for this."
+            f"'{encoder.name}' gave a tensor of shape {tuple(first.shape)} for one image; expected "
+            "a finite vector (1, D). With TorchEncoder, set pool=."
         )
     if known and not torch.equal(first, second):
         raise DataError(

@@ -41,7 +41,7 @@ class LinearMaps(nn.Module):
             nn.init.zeros_(weight)
 
     def logits(self, rows: Raw) -> dict[str, Float[Tensor, "N K"]]:
-        """Return the logits of every map whose images are given as standard rows."""
+        """Return map name -> logits, for each map whose images are among the standard rows."""
         return {
             name: self.maps[name](torch.cat([rows[part] for part in parts], dim=-1))
             for name, parts in self.inputs.items()

@@ -63,7 +63,9 @@ class HeadSettings:
         checked_order(self.order)
         require_declared(self)
         if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
-            raise SettingsError(f"classes are {self.classes}; give two or more different names.")
+            raise SettingsError(
+                f"The classes are {self.classes}; give two or more different names."
+            )
         counts = (2, *self.taught, len(self.classes))
         if self.taught and list(counts) != sorted(counts):
             raise SettingsError(

@@ -119,9 +119,9 @@ def replacing_folder(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def nothing_left(folder: Path) -> Iterator[None]:
-    """If the block cannot write, as on a full disk, remove the files that it added to a folder.
+    """If the block fails to write, as on a full disk, remove the files that it added to a folder.
 
-    For a few quick files; what took long to compute is better kept.
+    Use it for files that are quick to write again; keep results that took long to compute.
     """
     there, before = folder.exists(), set(folder.rglob("*"))
     try:

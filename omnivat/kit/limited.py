@@ -129,7 +129,9 @@ class Limited:
 
 
 def _exchanged(process: Process, call: bytes) -> tuple[dict[str, Any] | None, bytes]:
-    """Send a call, if any; return the next reply and its bytes, or None if the process dies."""
+    """Send a call (b"" for none); return the next reply and its bytes, or (None, b"") if the
+    process has ended.
+    """
     assert process.stdin and process.stdout, "the process has pipes"
     try:
         process.stdin.write(call)
@@ -148,7 +150,13 @@ def _end_all(processes: list[Process]) -> None:
 
 
 def serve(function: str, memory: int, seconds: int, grows: int = 0) -> None:
-    """Call the function in this process: calls on standard input, results on standard output."""
+    """Call a function in this process: calls on standard input, results on standard output.
+
+    function  "module:name"
+    memory    limit on memory, bytes
+    seconds   limit on processor time of a call
+    grows     bytes of memory that each byte of the call's file adds to the limit
+    """
     module, _, name = function.partition(":")
     call, output = getattr(import_module(module), name), sys.stdout.buffer
     sys.stdout = sys.stderr  # what a reader prints is no reply

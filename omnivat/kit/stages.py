@@ -40,8 +40,7 @@ def checked_order(order: Any, *, name: str = "order") -> float:
 
 
 def fitting(learned: float, width: int) -> tuple[float, float]:
-    """Return the orders that a head of fixed weights was trained for: a range of 4 / D around its
-    own.
+    """Return the lowest and highest order p for which the weights of a head were trained.
 
     learned  the head's order, quarter turns
     width    D: the phases of the transform turn by D times the change of the order

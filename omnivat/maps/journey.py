@@ -66,7 +66,7 @@ def map_stops(
 
     frames   of this head and these embeddings
     methods  of the maps; one that the frames lack is left out
-    most     largest number of stops, of those that all these maps have
+    most     largest number of stops; they are drawn from those that all these maps have
     kept     coefficients of the embeddings, if they were computed before
 
     A list of the stops serves any number of journeys; each has 2N rows of F-hat.

@@ -310,7 +310,7 @@ def _ends(share: Mapping[str, Any]) -> dict[str, float | None]:
 
 
 def _facts(part: Part, source: str, count: int) -> dict[str, Any]:
-    """Return what a record holds of a domain, of which `count` pairs are tested."""
+    """Return the record of a domain with `count` test pairs."""
     split, home = part.embeddings.rows["split"], part.domain == source
     return {
         "domain": part.domain,

@@ -27,8 +27,13 @@ BLOCK = 1024  # photos compared at once; bounds the memory
 MOST = 2000  # photos of a domain; a larger one is thinned evenly
 
 
-def judged(keep: NDArray[np.bool_], domain: NDArray[Any]) -> NDArray[np.int64]:
-    """Return the rows for retrieval: at most MOST for each domain, evenly spaced, ascending."""
+def retrieval_rows(keep: NDArray[np.bool_], domain: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the rows among which retrieval is measured: at most MOST of each domain, evenly spaced
+    and ascending.
+
+    keep    (N,) True for test pairs
+    domain  (N,) index of the domain
+    """
     chosen = []
     for index in np.unique(domain):
         own = np.flatnonzero(keep & (domain == index))
@@ -113,7 +118,7 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     # unseen pairs that look like another class
     alike = np.array([bool(name) for name in embeddings.rows["looks_like"]], bool) & unseen
     answers = {name: probabilities[name].argmax(1).numpy() for name in READINGS}
-    rows = judged(counts, domain)
+    rows = retrieval_rows(counts, domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
     retrieved = np.full(len(label), np.nan)  # of photos that are not tested
     retrieved[rows] = label[nearest_touch(vis, tac, domain, rows)] == label[rows]

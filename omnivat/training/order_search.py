@@ -237,8 +237,9 @@ def _grams(rows: Tensor) -> list[Tensor]:
 
 
 def _groups(objects: Sequence[str], labels: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Return the rows of each object; each row alone if a class has one object or rows lack
-    names.
+    """Return the row numbers of each object.
+
+    Each row is a group of its own if a class has a single object or a row lacks an object's name.
     """
     named = np.array(objects)
     groups = [np.flatnonzero(named == name) for name in dict.fromkeys(objects)]

@@ -161,7 +161,7 @@ def billets(names: Names, text: Text) -> Iterator[Item]:
 
 
 def spaced(items: Iterable[T], key: Callable[[T], Hashable]) -> Iterator[T]:
-    """Yield EACH of the items of every key, evenly spaced in their order."""
+    """Yield at most EACH items of every key, evenly spaced in their order."""
     groups: dict[Hashable, list[T]] = defaultdict(list)
     for item in items:
         groups[key(item)].append(item)

@@ -113,7 +113,7 @@ def frames_header(path: str | Path) -> dict[str, Any]:
 
 
 def _header(file: Path) -> tuple[dict[str, Any], int]:
-    """Return the JSON, and the place of the first array."""
+    """Return the JSON, and the offset of the first array in bytes."""
     if not file.is_file():
         raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
     with file.open("rb") as handle:

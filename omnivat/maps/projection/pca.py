@@ -74,7 +74,7 @@ def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
 
 
 def _from_gram(centred: Tensor, dimensions: int) -> Tensor:
-    """For fewer rows than columns: the same axes from the N×N Gram matrix."""
+    """Return the same axes (D, dimensions) from the N×N Gram matrix, if N is less than D."""
     vectors = (
         torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -dimensions:].flip(1)
     )

@@ -227,7 +227,10 @@ def lamps_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterato
 
 
 def difference(a: Array, b: Array) -> str:
-    """Return how the lamps b (3, 2) differ from a, as a sentence."""
+    """Return a sentence on how the lamps b differ from the lamps a.
+
+    a, b  (3, 2): colour (R, G, B) by direction (right, down), with the strength as length
+    """
     angles = [np.degrees(np.arctan2(lamps[:, 1], -lamps[:, 0])) for lamps in (a, b)]
     turns = (angles[1] - angles[0] + 180) % 360 - 180
     weight = np.linalg.norm(a, axis=1)

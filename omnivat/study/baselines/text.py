@@ -23,9 +23,11 @@ SCALE, MARGIN = 5.0, 0.5  # of ArcFace, as published; the margin in radians
 
 
 def fit_zero_shot(source: Source) -> Fitted:
-    """Compare with "a photo of a CLASS." at the model's own scale; nothing is learned.
+    """Classify by cosine with the text "a photo of a CLASS."; nothing is learned.
 
-    Raises DataError where the texts are not of the image encoder's own text tower.
+    Logits are cosines times the logit scale of the model, or LOGIT_SCALE if it has none.
+
+    Raises DataError if the LANG bank is not from the text tower of the image encoder.
     """
     texts_of_the_image_encoder(source, "Zero-shot prediction")
     if source.plain is None:
@@ -72,7 +74,7 @@ def scaled_cosines(rows: Tensor, weight: Tensor) -> Tensor:
 def fit_promptstyler(source: Source) -> Fitted:
     """Train a bias-free linear head on the texts with ArcFace; no image of the source is used.
 
-    Raises DataError where the texts are not of the image encoder's own text tower.
+    Raises DataError if the LANG bank is not from the text tower of the image encoder.
     """
     lang = normalize(texts_of_the_image_encoder(source, "Source-free PromptStyler"), dim=-1)
     classes, styles, width = lang.shape

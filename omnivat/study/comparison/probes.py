@@ -1,4 +1,4 @@
-"""What each set reads right of each pair: linear maps of one domain, at home and in every other.
+"""Accuracy of linear maps on each set's embeddings: trained on one domain, tested on all.
 
 The maps are those of `omnivat report`. Every set meets the same training pairs, test pairs and
 known pairs, so its values can be compared pair by pair.
@@ -259,7 +259,11 @@ def _taught_maps(features: Features, source: str, rows: Array) -> Reader:
 
 
 def _of_numbers(features: Features, source: str, rows: Array, values: Array) -> Reader:
-    """Return a ridge probe of numbers that learned some pairs of a source."""
+    """Return a ridge regression of numbers, trained on pairs of one domain.
+
+    rows    (n,) the training pairs
+    values  (N,) the number of each pair of the set
+    """
     data, names = features.embeddings, features.modalities
     profile = profile_of(data, rows, domain=source, modalities=names)
     own = _standard(_raw(data, rows, names), profile)

@@ -54,8 +54,8 @@ def provenance(embeddings: Embeddings, bank: LangBank | None) -> Record:
 
 
 def key(record: Mapping[str, Any]) -> str:
-    """Return the key of a run: equal runs have equal keys. Versions and times are not part of
-    it.
+    """Return the key of a run, 16 hex digits: runs of equal method, settings, data and seed have
+    the same key. Versions and times do not enter.
     """
     parts = [record[name] for name in ("method", "base", "settings", "source", "part", "seed")]
     parts += [record["data"]["fingerprint"], (record["lang"] or {}).get("hash", "")]

@@ -103,7 +103,7 @@ def test_another_sensor_at_rest_is_another_encoder(tmp_path):
             r"has blocks.1.self_attn.in_proj_weight of shape \(5, 128\), expected \(384, 128\)",
         ),
         (4, {"c_patch_embed.proj.weight": (WIDTH, 21, 16, 16)}, "21 channels of calibration"),
-        (0, {"pos_embed": (1, 7, WIDTH)}, "6 places; SITR's are a multiple of 64 and a square"),
+        (0, {"pos_embed": (1, 7, WIDTH)}, "6 patches; SITR's width is a multiple of 64"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, presses, change, message):
