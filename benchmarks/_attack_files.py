@@ -100,7 +100,7 @@ def spoilt_tensors(content: bytes, chance: random.Random) -> bytes:
     elif way == 2:
         table["__metadata__"] = spoilt(table.get("__metadata__", {}), chance)
     elif way == 3:
-        start, end = table[name]["data_offsets"]
+        start, end = (min(k, len(body)) for k in table[name]["data_offsets"])
         filled = chance.choice([b"\xff", b"\x7f", b"\x00\x00\xc0\x7f", b"\x7b"])
         filling = (filled * (end - start))[: end - start]
         body = body[:start] + filling + body[end:]
