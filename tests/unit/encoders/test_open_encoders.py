@@ -100,7 +100,7 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
         ("own_encoder:tiny", "returned object, which has no preprocess, embed"),
         ("own_encoder:nameless", "has no text in weights_hash; it identifies the weights"),
         ("own_encoder:wrong_width", "gave 5 values for one image, and its width is 7"),
-        ("own_encoder:nan", "one finite vector"),
+        ("own_encoder:nan", "expected a finite vector"),
         ("own_encoder:vanishing", "A vector of 'own_encoder:vanishing' has no value above"),
         ("own_encoder:absent", "no function 'absent'"),
         ("no_such_module:load", "cannot be imported .ModuleNotFoundError"),
@@ -128,7 +128,7 @@ def test_tokens_without_a_pooling_are_refused():
         def forward(self, x):
             return x.flatten(2).mT
 
-    with pytest.raises(DataError, match="a TorchEncoder takes pool="):
+    with pytest.raises(DataError, match="With TorchEncoder, set pool="):
         TorchEncoder(Tokens())
     assert TorchEncoder(Tokens(), pool=lambda tokens: tokens[:, 0]).width == 3
 

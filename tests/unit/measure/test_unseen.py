@@ -16,7 +16,7 @@ from omnivat.maps.frames.records import with_learned
 from omnivat.measure import unseen
 from omnivat.measure.known import measured
 from omnivat.measure.shares import counted, mean_over_domains, of_domains, wilson
-from omnivat.measure.unseen import judged, nearest_touch, unseen_summary
+from omnivat.measure.unseen import nearest_touch, retrieval_rows, unseen_summary
 from tests.builders import head_settings
 
 SOURCE = "TAG-sim"
@@ -133,8 +133,8 @@ def test_of_large_domains_an_even_part_is_judged(monkeypatch):
     domain = np.array([0] * 10 + [1] * 3)
     keep = np.arange(13) != 12
     monkeypatch.setattr("omnivat.measure.unseen.MOST", 4)
-    assert judged(keep, domain).tolist() == [0, 3, 6, 9, 10, 11]
-    assert judged(np.zeros(13, dtype=bool), domain).tolist() == []
+    assert retrieval_rows(keep, domain).tolist() == [0, 3, 6, 9, 10, 11]
+    assert retrieval_rows(np.zeros(13, dtype=bool), domain).tolist() == []
 
 
 def test_the_curve_of_frames_is_the_mean_over_unseen_domains(case):
