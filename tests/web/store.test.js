@@ -52,3 +52,16 @@ test("p crosses no tab from the chapter of the order alone, and nothing else is 
   const other = { ...explore, chapter: "analyse" };
   assert.deepEqual(after(other, { view: "pair" }), { ...other, view: "pair" });
 });
+
+test("Back to an address that was left before p was known keeps p in its chapter, and forgets it in another", () => {
+  let back;
+  globalThis.addEventListener = (_, action) => (back = action);
+  store.followHistory(() => {});
+  change({ p: 0.5 });
+  location.search = "?chapter=where";
+  back();
+  assert.equal(store.state.p, 0.5);
+  location.search = "?chapter=touch";
+  back();
+  assert.equal(store.state.p, null);
+});

@@ -147,11 +147,13 @@ export function openChapter(chapter, patch = {}) {
  * @param {number} p */
 export const openAt = (p) => change(state.chapter === "order" && state.view !== "explore" ? { otherP: p } : { p });
 
-/** Back and forward: take the values of the address. `open(view)` opens a tab. @param {(view: string) => void} open */
+/** Back and forward: take the values of the address. An address that was left before p was known changes no p, unless
+ * its chapter opens anew. `open(view)` opens a tab. @param {(view: string) => void} open */
 export function followHistory(open) {
   addEventListener("popstate", () => {
-    const { view } = state;
-    become({ ...state, ...fromAddress() });
+    const { view, chapter, p } = state;
+    const next = fromAddress();
+    become({ ...state, ...next, p: next.chapter === chapter ? (next.p ?? p) : next.p });
     if (state.view !== view) open(state.view);
   });
 }
