@@ -15,7 +15,7 @@ from app.shared.mend import mend_in, mended
 from app.shared.pair_input import OTHER, lamps_in, pair_request, rounded
 from app.shared.requests import FILES
 from app.shared.resources import Resources
-from app.shared.state import InTwo, Question, Reply, one_of
+from app.shared.state import InTwo, Question, Reply, Unread, one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
@@ -76,7 +76,7 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
             except DataError as error:
                 found = {"problem": str(error)}
             read[at] = found
-        return found.get("ref") or f"unread:{found['problem']}"
+        return found.get("ref") or Unread(found["problem"])
 
     def filled(part: Any) -> Any:
         images = {key: part[key] for key in IMAGE_KEYS if isinstance(part, dict) and key in part}

@@ -15,7 +15,7 @@ from app.shared.mend import mend_in, way_in
 from app.shared.pair_input import profile_in
 from app.shared.requests import FILES
 from app.shared.resources import Resources
-from app.shared.state import Question, Reply, content_name, ref_from
+from app.shared.state import Question, Reply, Unread, content_name, ref_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def profile(resources: Resources, question: Question) -> Reply:
     gel = None if before or given["vis"] else _lamps(resources, question)
     relit = gel if resources.touch != TOUCH[0] else None  # they were read before it was known
     for name, some in given.items():
-        pictures = [picture for picture in some if not str(picture).startswith("unread:")]
+        pictures = [picture for picture in some if not isinstance(picture, Unread)]
         refs = [ref for ref in map(ref_from, pictures) if ref]
         if relit and name == "tac":
             taken = _readable(question, lambda file: resources.take_image(file, "", mend, relit))

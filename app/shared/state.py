@@ -29,7 +29,7 @@ class ForgottenError(DataError):
 
 Question = Mapping[str, Any]  # a request
 Reply = dict[str, Any]  # a JSON object
-KINDS = ("row", "example", "image", "unread")
+KINDS = ("row", "example", "image")
 LONGEST_NAME = 200
 LONGEST_IMAGE = 100_000  # letters; an embedding of 1,280 numbers has 6,827
 V = TypeVar("V")
@@ -44,6 +44,10 @@ class InTwo:
 
     first: Reply
     rest: Callable[[], Reply]
+
+
+class Unread(str):
+    """Stands for a picture that came with a request and cannot be read: the sentence why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,15 +86,15 @@ def ref_from(value: Any) -> Ref | None:
     """
     if value is None or value == "":
         return None
+    if isinstance(value, Unread):
+        raise DataError(value)
     most = LONGEST_IMAGE if isinstance(value, str) and value.startswith("image:") else LONGEST_NAME
     if not isinstance(value, str) or len(value) > most:
         raise DataError("An image is named by a short text such as 'row:12'; choose one again.")
     kind, colon, name = value.partition(":")
     if kind not in KINDS or not colon or not name:
-        known = ", ".join(f"'{kind}:…'" for kind in KINDS[:3])
+        known = ", ".join(f"'{kind}:…'" for kind in KINDS)
         raise DataError(f"'{value:.60}' names no image; expected one of {known}.")
-    if kind == "unread":
-        raise DataError(name)
     return Ref(kind, name)
 
 
