@@ -96,8 +96,8 @@ def interlaced(width: int, height: int) -> bytes:
 
 
 def decoded(decoder: Any) -> Iterator[tuple[str, bool]]:
-    """Yield each costly file, and whether the decoder read or refused it in time, and read a
-    plain one after it.
+    """Yield the name of each costly file, and True if the decoder read or refused the file within
+    MOST_S and then read a plain picture.
     """
     from omnivat.kit.errors import DataError
 

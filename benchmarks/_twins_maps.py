@@ -99,7 +99,11 @@ def gap(rows: Array) -> float:
 
 
 def accuracies(made: Twins, rows: Array, learning: Embeddings) -> list[float]:
-    """Return the mean share right on another sensor, three ways."""
+    """Return the mean accuracy on other sensors: touches as they come, with each sensor's mean
+    aligned, and with mean and variance aligned.
+
+    rows  (presses, sensors, D) embeddings of the twins' touches
+    """
     found = []
     for source, name in enumerate(made.header.domains):
         head = head_of(learning, name, "touch")

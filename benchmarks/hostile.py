@@ -144,8 +144,9 @@ def attacked(port: int, until: float, event: dict[str, Any], pipe: Any) -> None:
 def watched(
     address: str, visitors: int, seconds: float, event: dict[str, Any] | None = None
 ) -> dict[str, Any]:
-    """Return what visitors met for some seconds; with the `event` that starts a training, beside
-    the hostile address.
+    """Return the record of ordinary visitors: requests, failures and times.
+
+    event  the request that starts a training; given, a hostile address is active as well
     """
     until = time.monotonic() + seconds
     counts: dict[str, int] = {}

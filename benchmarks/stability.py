@@ -138,7 +138,7 @@ def report(cells: list[Cell]) -> str:
 
 
 def measure(sizes: tuple[int, ...], on_size: Callable[[int], None]) -> list[Cell]:
-    """All checks at all lengths in both precisions."""
+    """Return the worst errors of all checks, at all lengths and in both precisions."""
     cells: list[Cell] = []
     for size in sizes:
         for dtype in (torch.float64, torch.float32):

@@ -240,7 +240,8 @@ export function showCard() {
   if (pinned) showNeighbours();
 }
 
-/** Light a point, -1 for none. @param {number} point @param {boolean} pointed by the pointer, where pictures follow */
+/** Highlight a point, -1 for none. @param {number} point
+ * @param {boolean} pointed true if the pointer chose it: its pictures then appear beside the pointer */
 function hover(point, pointed = false) {
   if (point === scene.hovered) return;
   send("arrived", { hovered: point });

@@ -11,7 +11,8 @@ const BINS = 20;
 const HIGH = 34;
 const AREA = { wide: BINS, high: HIGH, pad: { left: 0, right: 0, top: 0, bottom: 0 } };
 
-/** Counts in BINS equal bins over a span. @param {ArrayLike<number>} all @param {Span} span @param {Wanted} wanted */
+/** The numbers of values in BINS equal bins of a span; values outside it count in the outermost bins. `wanted` selects
+ * by index. @param {ArrayLike<number>} all @param {Span} span @param {Wanted} wanted */
 export function histogram(all, [low, high], wanted = () => true) {
   const counts = new Array(BINS).fill(0);
   for (let i = 0; i < all.length; i++)

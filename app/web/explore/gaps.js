@@ -173,7 +173,8 @@ function pictureOf({ name, title }) {
     : html`<span class="thumb none">${title}</span>`;
 }
 
-/** @param {Ref} ref @param {Modality} name */
+/** Fetch one picture of a pair, keep its address for later, and draw the pair again. @param {Ref} ref
+ * @param {Modality} name */
 async function keepPicture(ref, name) {
   pictures.set(ref, "");
   const blob = await bytesOf(ref, name);

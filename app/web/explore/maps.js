@@ -126,7 +126,7 @@ export const figure = (words, measure, values, stop) =>
     ? html`<span class="gap">${words} <b>${asText(measure, values?.[stop], 2)}</b></span>`
     : null;
 
-/** Both gaps of frames at a stop, or that between the images of one domain. @param {Frames} frames
+/** Figures of both gaps at a stop; of one domain, of its modality gap alone. @param {Frames} frames
  * @param {string} stage
  * @param {number} stop */
 export function gaps(frames, stage, stop, domain = "") {

@@ -26,7 +26,8 @@ export function follow() {
   awaited(new Promise((done) => setTimeout(done, PAUSE)).then(() => (signal.aborted ? undefined : grow(signal))));
 }
 
-/** @param {AbortSignal} signal */
+/** Fetch the tree of the pinned pair, draw it, then add each node's most frequent class over the set.
+ * @param {AbortSignal} signal */
 const grow = (signal) =>
   attempt(
     async () => {

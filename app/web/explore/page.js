@@ -17,7 +17,8 @@ import * as touch from "./touch.js";
 
 const PROJECT = ["touch", "where", "order"]; // chapters that show the project's data, whatever is loaded
 
-/** Show the sentence of a Refusal; with a link home if the address names a set that may be gone. */
+/** Show the sentence of a Refusal. If the address names a set, which the server may have dropped, add a link to the
+ * page without it. */
 export function say(/** @type {string} */ sentence) {
   tell($(".wait"), sentence, true);
   if (!new URLSearchParams(location.search).has("set")) return;

@@ -1,4 +1,4 @@
-/** The panels beside the map, which open and close and remember it, and the way to another set. */
+/** The panels beside the map, which stay open or closed between visits, and the link to another set. */
 
 import { keep, keptJson } from "../shared/memory.js";
 import { $, all } from "./root.js";

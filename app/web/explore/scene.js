@@ -1,4 +1,4 @@
-/** What is read of the state of Explore and of the address. No DOM here. */
+/** Values derived from the state of Explore and from the address. No DOM here. */
 
 import { shownBy } from "../shared/filters.js";
 import { classOf, domainOf } from "../shared/frames.js";
@@ -182,7 +182,7 @@ export function packed(points) {
   return text.length > MOST ? "" : text;
 }
 
-/** The points of a packed text below `count`; what is not such a text has none.
+/** The points below `count` that a packed text lists; none for a text of another form.
  * @param {string} text @param {number} count */
 export function unpacked(text, count) {
   /** @type {number[]} */

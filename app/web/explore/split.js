@@ -20,7 +20,8 @@ const signed = (/** @type {number} */ points) => (points ? `${points > 0 ? "+" :
 const range = (/** @type {number} */ low, /** @type {number} */ high) =>
   `95 % interval: ${low.toFixed(0)} to ${high.toFixed(0)} points`;
 
-/** Bars from home to away: what is lost or gained lies between them. @param {Record<string, Interval>} loss
+/** Bars of the accuracy in the training domain and in a new one, and between them those of each loss or gain.
+ * @param {Record<string, Interval>} loss
  * @returns {Bar[]} */
 export function barsOf(loss) {
   let left = loss.home[0];
@@ -50,7 +51,7 @@ export function barsOf(loss) {
 const list = (bars) =>
   html`${bars.map(({ name, ends, text, title, kind }) => barRow(name, barOf(ends, kind), text, { title }))}`;
 
-/** The loss by one reading as bars, and where it comes from. `look`: 0 dots as printed, 1 filled, 2 by relief.
+/** Bars that split the loss of one reading, with their provenance. `look`: 0 dots as printed, 1 filled, 2 by relief.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} look */
 export function splitHtml({ split, presses }, reading, look) {
   const what = `${reading === "touch" ? "presses" : "objects"}${["", " with filled dots", " by relief"][look]}`;

@@ -104,7 +104,8 @@ export function show() {
   tell();
 }
 
-/** Bars of the page's own set: at home, away, and away with pictures or labels. */
+/** Measure accuracy on the loaded set: in the source, in other domains, and there with pictures or labels. Draw each
+ * bar when its figure arrives. */
 async function measure() {
   const showKnown = () => fill($(".split.own .bars"), ownHtml(scene.known));
   showKnown();

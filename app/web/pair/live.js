@@ -48,10 +48,10 @@ const filesOf = ({ feeds }, name) =>
       .map(async (feed) => [feed.modality, new File([await feed.blob("image/png")], `${name}_${feed.modality}.png`)]),
   );
 
-/** What is typed as the label. @param {Desk} desk */
+/** The label that the visitor typed. @param {Desk} desk */
 const labelIn = ({ box }) => /** @type {Found} */ (box.querySelector(".cameras .label")).value.trim();
 
-/** Send what the sources show until they are switched off. @param {Desk} desk @param {unknown} _
+/** Send the newest frames of the sources until they are switched off. @param {Desk} desk @param {unknown} _
  * @param {AbortSignal} signal */
 export async function live(desk, _, signal) {
   const { send, feeds, box } = desk;

@@ -59,7 +59,7 @@ export async function camera(which = {}) {
   }
 }
 
-/** Show a camera in a box with a video and two buttons, until a picture is taken; null if it was cancelled.
+/** Show a camera in a box with a video and two buttons; return the picture that is taken, null if cancelled.
  * @param {Element} box @param {MediaStream} stream @param {AbortSignal} signal @returns {Promise<Blob | null>} */
 export function snapshot(box, stream, signal) {
   const video = /** @type {HTMLVideoElement} */ (box.querySelector("video"));

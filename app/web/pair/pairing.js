@@ -20,7 +20,8 @@ const words = (text) =>
     .toLowerCase()
     .split(/[^\p{L}\p{N}]+/u)
     .filter(Boolean);
-/** "vis", "tac" or "", by the last word that tells. @param {string} text @returns {Modality | ""} */
+/** "vis" or "tac", by the last word of the text that names a modality, else "".
+ * @param {string} text @returns {Modality | ""} */
 const sense = (text) =>
   words(text)
     .map((word) => (TAC.has(word) ? "tac" : VIS.has(word) ? "vis" : ""))

@@ -53,7 +53,7 @@ export const madeOf = (counts) =>
     .map((name) => plural(counts[name] ?? 0, TERMS[name].one, TERMS[name].many))
     .join(" and ");
 
-/** A button that tells an event, with what its data attributes say.
+/** A button that sends an event, with its data attributes as values.
  * @param {string} event @param {unknown} words @param {Html | string} [attributes] */
 export const button = (event, words, attributes = "") =>
   html`<button type="button" data-send="${event}" ${attributes}>${words}</button>`;
@@ -76,9 +76,9 @@ export const hint = (words) => paragraph("hint", words);
 /** Words that change while they are read, also by screen readers. @param {unknown} words */
 export const status = (words, kind = "") => html`<p class="hint ${kind}" role="status">${words}</p>`;
 
-/** A heading with what stands beside it. @param {string} title @param {...unknown} beside */
+/** A heading with elements beside it. @param {string} title @param {...unknown} beside */
 export const headed = (title, ...beside) => html`<header><h3>${title}</h3>${beside}</header>`;
-/** What opens below its name. @param {string} name @param {...unknown} content */
+/** Content that opens below its name. @param {string} name @param {...unknown} content */
 export const folded = (name, ...content) => html`<details><summary>${name}</summary>${content}</details>`;
 
 /** What pictures can be, to choose from. @param {string} event */

@@ -58,7 +58,7 @@ const holds = new Map(); // address of a set -> what the server held of it at fi
  * @type {Promise<number> | null} */
 let returning = null;
 
-/** Wait until the server responds. The page's header tells of it meanwhile. */
+/** Wait until the server responds; meanwhile the page's header states that it does not. */
 async function waited() {
   const tell = (/** @type {boolean} */ lost) =>
     document.dispatchEvent(new CustomEvent("omnivat:lost", { detail: lost }));

@@ -1,5 +1,5 @@
-/** Frames: exact map positions for every stop of p, and the curves. A map comes when it is first shown, its stop
- * first. */
+/** Frames: exact map positions for every stop of p, and the curves. A map is fetched when it is first shown, the
+ * present stop first. */
 
 import { address, get, inSet, Refusal, refused } from "./api.js";
 import { fileOf, held } from "./held.js";

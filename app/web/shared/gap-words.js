@@ -47,7 +47,7 @@ function rangeOf({ title, raw, low, high, lowAt, highAt, by }, i) {
     ${two(high)}</b> ${at(highAt)} ${before}`;
 }
 
-/** Whether p closes either gap of a head, and what does: an answer, and a sentence with its figures.
+/** Whether p, or else the steps of the head, close its gaps: a short answer, and a sentence with the figures.
  * @param {Frames} frames the frames of all stops */
 export function verdictOn(frames) {
   const gaps = GAPS.map((row) => gapOver(frames, row)).filter(({ raw, low }) => Number.isFinite(raw + low));

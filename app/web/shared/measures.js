@@ -24,7 +24,8 @@ const isSource = (frames, domain) => domain !== "" && domain === frames.meta.hea
 const trainedAccuracy = (frames, domain) =>
   `seeds:${ACCURACY}/${isSource(frames, domain) ? "source_test" : domain || "unseen"}`;
 
-/** Accuracy, over trainings if there are several. It excludes training pairs, so one training has none in its source.
+/** Accuracy per stop, the mean if there are several trainings. Training pairs are excluded; a single training
+ * therefore has no accuracy in its source domain.
  * @param {Frames} frames @param {string} domain */
 const accuracy = (frames, domain) =>
   series(frames, `${trainedAccuracy(frames, domain)}/mean`) ??

@@ -1,4 +1,4 @@
-/** What the browser remembers: for good, or for this visit. One that keeps nothing remembers it as long as the page. */
+/** Texts that the browser keeps for good, or for this visit. If storage is blocked, they last as long as the page. */
 
 /** @type {Map<string, string | null>} */
 const here = new Map();

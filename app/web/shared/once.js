@@ -1,6 +1,6 @@
-/** Make something once. */
+/** Make a value once, and share it. */
 
-/** A function that makes what is called `key` once, and after a failure again.
+/** Return a function that makes the value of a key once; after a failure, the next call makes it again.
  * @returns {<T>(key: string, make: () => Promise<T>) => Promise<T>} */
 export function keeper() {
   /** @type {Map<string, Promise<any>>} */

@@ -1,4 +1,4 @@
-/** A view: an element of the page and what is in it. */
+/** A view: an element of the page and its content. */
 
 export class View {
   /** @param {Found} box */
@@ -28,7 +28,7 @@ export const making = (step) => {
   return far ? `${far}. Try a pair can be used meanwhile.` : "Drawing the map…";
 };
 
-/** Handle the clicks in a box: selector -> what a click in such an element does.
+/** Handle the clicks in a box. `acts`: selector -> the action for a click in such an element.
  * @param {Found} box @param {Record<string, (element: Found) => unknown>} acts */
 export function onClick(box, acts) {
   box.onclick = (/** @type {Found} */ { target }) => {
