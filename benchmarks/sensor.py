@@ -180,7 +180,7 @@ def rows_of(
         for count in counts:
             began = process_time()
             changes = changes_between(old[count], summed(read[:count]))
-            found[count][f"{change.part} {change.words}"] = [change.part for change in changes]
+            found[count][f"{change.part} {change.words}"] = [named.part for named in changes]
             seconds[count].append(count * each + process_time() - began)
     return [
         {"gel": name, "draw": draw, "touches": count, "seconds": round(median(seconds[count]), 2),
@@ -223,7 +223,7 @@ def report(rows: Sequence[Mapping[str, Any]]) -> str:
         first, *others = (change.words.split() for change in kind)
         start = len([*takewhile(lambda same: len({*same}) == 1, zip(first, *others, strict=False))])
         words = "; ".join(
-            " ".join(words) for words in (first, *(other[start:] for other in others))
+            " ".join(parts) for parts in (first, *(other[start:] for other in others))
         )
         lines.append([f"{part} {words}".strip(), *cells])
     ends = [

@@ -72,20 +72,17 @@ def embedded(encoder: Any, images: Sequence[Array]) -> Array:
     return rows
 
 
-def by_relief(
-    pictures: Sequence[Array], count: int, classes: int, encoder: Any, lit: Sequence[int] = LIT
-) -> Array:
-    """Return embeddings (lit, PARTS, count, W) of the first touches of a sensor by relief.
+def by_relief(pictures: Sequence[Array], count: int, classes: int, encoder: Any) -> Array:
+    """Return embeddings (LIT, PARTS, count, W) of the first touches of a sensor by relief.
 
-    pictures  touches (H, W, 3), their dots filled
-    lit       numbers of pictures that give lamps
+    pictures  touches (H, W, 3), their dots filled; LIT of them give lamps
 
     Each third, and its pool, is read by the lamps of the pool, and where it gives none, or with no
     picture, by each touch's own.
     """
-    found = np.full((len(lit), PARTS, count, encoder.width), np.nan, np.float32)
+    found = np.full((len(LIT), PARTS, count, encoder.width), np.nan, np.float32)
     alone = embedded(encoder, [drawn(one, dots="keep") for one in pictures[:count]])
-    for r, number in enumerate(lit):
+    for r, number in enumerate(LIT):
         for k, (part, pool) in enumerate(pools(count, number, classes, seed=0)):
             read = np.union1d(part, pool)
             try:

@@ -82,7 +82,7 @@ def with_pictures(work: Callable[..., Any], resources: Resources, question: Ques
         images = {key: part[key] for key in IMAGE_KEYS if isinstance(part, dict) and key in part}
         for key, value in images.items():
             many = isinstance(value, list)
-            images[key] = [embedded(part) for part in value] if many else embedded(value)
+            images[key] = [embedded(image) for image in value] if many else embedded(value)
         return {**part, **images} if images else part
 
     whole = {**filled(question)}
@@ -146,16 +146,14 @@ def live(resources: Resources, question: Question) -> Reply:
 
     modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
     given = dict(zip(IMAGES if modality == BOTH else (modality,), files_in(question), strict=False))
-    encoders = {
-        modality: resources.reader(modality, lamps_in(resources, question)) for modality in given
-    }
+    encoders = {name: resources.reader(name, lamps_in(resources, question)) for name in given}
     with torch.inference_mode():
         pixels = {
-            modality: encoders[modality].preprocess(decoded(resources, part, question, modality))
-            for modality, part in given.items()
+            name: encoders[name].preprocess(decoded(resources, content, question, name))
+            for name, content in given.items()
         }
         began = perf_counter()
-        rows = {modality: encoders[modality].embed(some[None]) for modality, some in pixels.items()}
+        rows = {name: encoders[name].embed(some[None]) for name, some in pixels.items()}
         embedded = perf_counter()
     named = pair_request(resources, question, rows)
     found = predict_one(named)

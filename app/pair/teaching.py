@@ -80,7 +80,7 @@ def own_set(resources: Resources, question: Question) -> "Embeddings":
     encoder = resources.head().encoder
     objects = [f"{DOMAIN}/{label}/{number}" for number, label in enumerate(labels)]
     files = {
-        modality: [f"{object}_{modality}.png" for object in objects] for modality in ("vis", "tac")
+        modality: [f"{name}_{modality}.png" for name in objects] for modality in ("vis", "tac")
     }
     return Embeddings(
         header=Header(

@@ -71,8 +71,8 @@ class Lane:
     def let_in(self) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         for job in self.in_order():
-            first = job.priority <= 0 < min((job.priority for job in self.running), default=0)
-            visitors = {job.visitor for job in self.running}
+            first = job.priority <= 0 < min((other.priority for other in self.running), default=0)
+            visitors = {other.visitor for other in self.running}
             guest = len(visitors) == 1 and job.visitor not in visitors
             more = self._slots > 1 and (first or guest)
             if len(self.running) >= self._slots + more:

@@ -99,12 +99,12 @@ class Trainings:
         run = Run(plan=plan, words=in_words(plan, question), visitor=visitor)
         key = os.urandom(12).hex()
         with self._lock:
-            active = [run.visitor for run in self._runs.values() if run.active]
+            active = [other.visitor for other in self._runs.values() if other.active]
             if visitor in active:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
-            own = sum(visitor[0] == address for visitor in active)
+            own = sum(place == address for place, _ in active)
             if len(active) >= MOST_RUNS or own >= MOST_RUNS // 2:
                 full = len(active) >= MOST_RUNS
                 what = f"{MOST_RUNS} trainings" if full else f"{own} trainings of your address"

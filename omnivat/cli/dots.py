@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import declare
+from omnivat.cli.arguments import declare, path
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import nothing_left, replacing
 
@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 def add(parser: argparse.ArgumentParser) -> None:
     words = "tactile pictures, or folders of them"
     parser.add_argument("pictures", nargs="+", type=Path, metavar="PICTURES", help=words)
-    declare(
-        parser, out={"type": Path, "required": True, "metavar": "DIR", "help": "folder to write"}
-    )
+    declare(parser, out=path("folder to write", "DIR", required=True))
 
 
 def run(options: argparse.Namespace) -> None:

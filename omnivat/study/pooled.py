@@ -84,7 +84,7 @@ def level(embeddings: Embeddings, domains: Sequence[str]) -> tuple[Embeddings, P
     channels = {}
     for name in IMAGES:
         each = [profile.channels[name] for profile in profiles.values()]
-        mean, variance = np.mean([(profile.mean, profile.variance) for profile in each], axis=0)
+        mean, variance = np.mean([(channel.mean, channel.variance) for channel in each], axis=0)
         channels[name] = Channels(mean=mean, variance=variance, count=sum(x.count for x in each))
     base = Profile(channels=channels, key=embeddings.header.key, domain=ALL)
     return profiled(embeddings, profiles, base), base

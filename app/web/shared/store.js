@@ -153,7 +153,8 @@ export function followHistory(open) {
   addEventListener("popstate", () => {
     const { view, chapter, p } = state;
     const next = fromAddress();
-    become({ ...state, ...next, p: next.chapter === chapter ? (next.p ?? p) : next.p });
+    if (next.chapter === chapter) next.p ??= p;
+    become({ ...state, ...next });
     if (state.view !== view) open(state.view);
   });
 }

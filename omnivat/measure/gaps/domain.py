@@ -81,7 +81,7 @@ def gap_record(
         return found
 
     between = {"all": float(gap(rows["vis"], rows["tac"]))}
-    between |= {name: float(gap(rows, sets["tac"][name])) for name, rows in sets["vis"].items()}
+    between |= {name: float(gap(vis, sets["tac"][name])) for name, vis in sets["vis"].items()}
     tables: dict[str, dict[str, dict[str, float]]] = {}
     for modality, some in sets.items():
         tables[modality] = {a: dict.fromkeys(some, 0.0) for a in some}

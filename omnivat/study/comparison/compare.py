@@ -213,7 +213,7 @@ def _cells(of: Mapping[str, Resampled], id: str, enough: bool) -> dict[str, Reco
     lead = max(of, key=lambda name: sign * of[name].value)
     others = {(name, ""): resampled for name, resampled in of.items() if name != lead}
     leads = simultaneous(of[lead], others) if enough else {}
-    sure = enough and all((lead.low if sign > 0 else -lead.high) > 0 for lead in leads.values())
+    sure = enough and all((less.low if sign > 0 else -less.high) > 0 for less in leads.values())
     return {
         name: {
             **_ends(resampled, enough),
