@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from PIL import Image
 
+from omnivat.data.images import opened, upright
 from omnivat.data.relief.lamps import Lamps
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in
@@ -92,13 +93,17 @@ def unpacked(text: str) -> Lamps:
         )
     except DataError:
         raise
-    except (KeyError, TypeError, ValueError, OSError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"The lamps cannot be read ({error!s:.80}); make them again.") from error
     return found
 
 
 def _pixels(background: str) -> "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]":
-    image = Image.open(BytesIO(b64decode(background)), formats=["PNG"])
-    if image.width * image.height > MOST_PIXELS or image.mode != "RGB":
-        raise ValueError(f"a background of {image.width} × {image.height} pixels, {image.mode}")
-    return np.asarray(image)
+    name = "the lamps' background"
+    try:
+        image = opened(b64decode(background), name, kinds=["PNG"], pixels=MOST_PIXELS)
+        return np.asarray(upright(image, name, reduced=False))
+    except DataError as error:
+        raise DataError(
+            f"The lamps' background is no PNG of up to {MOST_PIXELS:,} pixels; make them again."
+        ) from error

@@ -1,5 +1,9 @@
 """Profiles: the statistics of a domain, without labels, and what they move."""
 
+import json
+import struct
+import zlib
+from base64 import b64encode
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +24,8 @@ from omnivat.data.profile import (
     standardised,
 )
 from omnivat.data.profile_file import load_profile, save_profile
+from omnivat.data.relief.files import packed, unpacked
+from omnivat.data.relief.lamps import Lamps
 from omnivat.kit.errors import DataError
 
 
@@ -144,3 +150,29 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
         load_profile(file)
     assert str(file) in str(caught.value) and "\n" not in str(caught.value)
     assert ("(format 'omnivat-profile-9')" in str(caught.value)) is (spoilt == "format")
+
+
+def test_a_background_of_lamps_with_a_huge_header_or_damage_ends_in_one_sentence():
+    lamps = Lamps(
+        colours=np.eye(3, 2),
+        background=np.random.default_rng(0).integers(0, 255, (60, 60, 3), dtype=np.uint8),
+        ratio=0.1,
+        confidence=0.9,
+        pictures=5,
+    )
+    record = json.loads(packed(lamps))
+    whole = unpacked(packed(lamps)).background
+    assert whole is not None and (whole == lamps.background).all()
+
+    def png(side, pixels):
+        parts = {b"IHDR": struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0), b"IDAT": pixels}
+        chunks = (
+            struct.pack(">I", len(some)) + name + some + struct.pack(">I", zlib.crc32(name + some))
+            for name, some in parts.items()
+        )
+        return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+    for content in (png(60_000, b"x"), png(60, b"no deflate"), b"no picture"):
+        record["background"] = b64encode(content).decode()
+        with pytest.raises(DataError, match=r"background is no PNG .* make them again\.$"):
+            unpacked(json.dumps(record))
