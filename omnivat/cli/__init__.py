@@ -145,6 +145,13 @@ def main(
     except BrokenPipeError:  # the reader of the pipe closed, as `head` does
         _drop_output()
         return 1
+    except MemoryError:
+        print(
+            f"{program} {options.command}: The files that were named take more memory than there"
+            " is; give smaller ones.",
+            file=sys.stderr,
+        )
+        return 1
     except OSError as error:  # a full disk or a lost network folder: a traceback does not help
         where = f"'{error.filename}': " if error.filename else ""
         what = (

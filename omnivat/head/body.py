@@ -116,7 +116,7 @@ class Body(nn.Module):
             raise DataError("Neither VIS nor TAC was given; give one of them or both.")
         lang = "lang" in images
         width = self.settings.lang_width if lang else self.settings.input_width
-        images = {name: floating(name, raw) for name, raw in images.items()}
+        images = {name: floating(name, raw).to(self.dtype) for name, raw in images.items()}
         for name, raw in images.items():
             if raw.ndim != 2 or raw.shape[1] != width:
                 raise ShapeError(
@@ -129,7 +129,7 @@ class Body(nn.Module):
             raise ShapeError(
                 "vis and tac have different numbers of pairs; give one of each for every pair."
             )
-        raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in images.items()])
+        raw = torch.stack([self.standardised(*image) for image in images.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
             maps = {"vis": self.project_image, "tac": self.project_tac}

@@ -133,5 +133,18 @@ def test_a_link_to_itself_is_refused_in_a_sentence(tmp_path, run):
     assert re.search(r"^omnivat embed: .*\.$", said.strip())
 
 
+def test_a_file_that_takes_more_memory_than_there_is_ends_in_a_sentence(tmp_path, run):
+    out = tmp_path / "set.safetensors"
+
+    def full(*_, **__):
+        raise MemoryError
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("omnivat.data.foreign.import_embeddings", full)
+        said = run("import", "large.npz", "--encoder", "e", "--out", out, code=1).err
+    assert said.endswith("take more memory than there is; give smaller ones.\n")
+    assert not out.exists()
+
+
 def test_no_command_prints_the_help(run):
     assert "predict" in run().out

@@ -26,6 +26,12 @@ def test_images_that_make_no_pairs_for_this_head_are_refused(head, vis, tac, err
         head(*(shape and torch.zeros(shape) for shape in (vis, tac)))
 
 
+def test_numbers_beyond_the_precision_of_the_head_are_refused(head):
+    rows = torch.ones(2, head.settings.input_width, dtype=torch.float64)
+    with pytest.raises(DataError, match="vis has inf in row 1, column 0, expected finite numbers"):
+        head.float()(rows * torch.tensor([[1.0], [1e39]], dtype=torch.float64), rows)
+
+
 def test_one_order_a_pair_equals_one_pass_an_order_and_one_alone_serves_all(head, make_pairs):
     pairs = make_pairs(CHUNK + 3)
     orders = torch.linspace(-1, 1, CHUNK + 3, dtype=torch.float64)
