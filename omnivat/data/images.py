@@ -38,6 +38,7 @@ HEIC = (b"heic", b"heix", b"heim", b"heis", b"hevc")  # in the first box of such
 DOUBLE = {b"II": "F;64F", b"MM": "F;64BF"}  # a TIFF of 64-bit floats, by the order of its bytes
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
+MOST_SCANS = 100  # of a JPEG; ten are usual, and a hundred of 64 megapixels take 4 s
 MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
 SHORT_SIDE = 1024  # lower limit of a reduced picture
 STRIP_PIXELS = 1_000_000
@@ -137,6 +138,9 @@ def opened(
             break
     else:
         raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
+    scans = content.count(b"\xff\xda") if kind == "JPEG" else 0
+    if scans > MOST_SCANS + len(content) // 20_000:  # other data holds these two bytes by chance
+        raise DataError(f"'{name}' is a JPEG of {scans:,} scans, each decoded in full; {REMEDY}.")
     with _explained(name, f"is a damaged {kind} file"):
         image = Image.OPEN[kind][0](BytesIO(content), "")
     check_size(*image.size, name)

@@ -238,3 +238,13 @@ def test_sixteen_bits_of_grey_keep_their_upper_eight(kind):
     wide = GREY.astype(np.uint16) * 256 + 77
     read = values(encoded(Image.fromarray(wide), kind))
     assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))
+
+
+def test_a_jpeg_of_thousands_of_scans_is_refused_before_they_are_decoded():
+    with BytesIO() as file:
+        Image.new("L", (64, 64), 128).save(file, "JPEG", progressive=True)
+        content = file.getvalue()
+    assert read_image(content).size == (64, 64)
+    last = content[content.rindex(b"\xff\xda") : -2]
+    with pytest.raises(DataError, match=r"is a JPEG of 1,0\d\d scans"):
+        read_image(content[:-2] + 1000 * last + content[-2:])
