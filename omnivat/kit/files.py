@@ -11,8 +11,7 @@ from contextlib import contextmanager, suppress
 from glob import escape
 from hashlib import file_digest, sha256
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory, gettempdir
-from time import time
+from tempfile import TemporaryDirectory, gettempdir
 from typing import IO, Any
 
 from omnivat.kit.errors import DataError, WriteError
@@ -22,34 +21,24 @@ if sys.platform != "win32":  # Windows has no such locks
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # starts of a cell that a spreadsheet computes
 IN_USE = "in-use"  # a locked file in the folder of a running writer
-UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path next to `path`; if the block succeeds, it replaces `path`.
+    """Yield a temporary path; if the block succeeds, the file there replaces `path`.
 
     A crash at any moment leaves either the old file or the new one.
     Raises WriteError with the file name if the folder, the disk or its permissions prevent it.
     """
     target = Path(path)
     require_writable(target)
-    with writing(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        sweep_unfinished(target)
-        with NamedTemporaryFile(
-            dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False
-        ) as handle:
-            temporary = Path(handle.name)
-            locked(handle)
-            try:
-                yield temporary
-                with temporary.open("rb") as written:
-                    os.fsync(written.fileno())
-                os.chmod(temporary, 0o644)
-                os.replace(temporary, target)
-            finally:
-                temporary.unlink(missing_ok=True)
+    with writing(target), _beside(target) as folder:
+        temporary = folder / "new"
+        yield temporary
+        with temporary.open("rb") as written:
+            os.fsync(written.fileno())
+        temporary.chmod(0o644)
+        os.replace(temporary, target)
 
 
 def safe_cell(value: object) -> object:
@@ -92,29 +81,40 @@ def replacing_folder(path: Path) -> Iterator[Path]:
 
     What stood at `path` goes. Raises WriteError if nothing can be written there.
     """
-    parent = path.absolute().parent
-    with writing(path):
-        parent.mkdir(parents=True, exist_ok=True)
-        sweep_folders(path)
-        prefix = f".{path.name}."
+    with writing(path), _beside(path) as folder:
+        made, old = folder / "new", folder / "old"
+        made.mkdir()
+        yield made
+        made.chmod(0o755)
+        try:
+            if path.exists():
+                os.replace(path, old)
+            os.replace(made, path)
+        finally:
+            if old.exists() and not path.exists():
+                os.replace(old, path)
+
+
+@contextmanager
+def _beside(target: Path) -> Iterator[Path]:
+    """Yield an empty hidden folder next to `target`, in which nothing is left at the end.
+
+    Folders of killed writers of the same target go before; that of a running writer has a lock.
+    """
+    parent, prefix = target.absolute().parent, f".{target.name}."
+    parent.mkdir(parents=True, exist_ok=True)
+    _sweep(target)
+    while True:
         with (
             TemporaryDirectory(
                 dir=parent, prefix=prefix, suffix=".tmp", ignore_cleanup_errors=True
-            ) as beside,
-            (Path(beside) / IN_USE).open("w") as handle,
+            ) as folder,
+            (Path(folder) / IN_USE).open("w") as handle,
         ):
-            locked(handle)
-            made, old = Path(beside) / "new", Path(beside) / "old"
-            made.mkdir()
-            yield made
-            made.chmod(0o755)
-            try:
-                if path.exists():
-                    os.replace(path, old)
-                os.replace(made, path)
-            finally:
-                if old.exists() and not path.exists():
-                    os.replace(old, path)
+            if locked(handle) is False or not Path(handle.name).exists():
+                continue  # another writer swept it before it had its lock
+            yield Path(folder)
+            return
 
 
 @contextmanager
@@ -136,30 +136,18 @@ def nothing_left(folder: Path) -> Iterator[None]:
         raise
 
 
-def sweep_unfinished(target: Path) -> None:
-    """Remove files of killed writers of `target`; a running writer holds a lock."""
-    for left in target.parent.glob(f".{escape(target.name)}.*.tmp"):
-        try:
-            with left.open("rb") as handle:
-                if time() - os.fstat(handle.fileno()).st_mtime > UNFINISHED_S and locked(handle):
-                    left.unlink(missing_ok=True)
-        except OSError:  # another process removed it, or it is not ours
-            continue
-
-
-def sweep_folders(target: Path) -> None:
-    """Remove hidden folders that killed writers of the folder `target` left; a running one holds
-    a lock.
-    """
-    for left in target.absolute().parent.glob(f".{escape(target.name)}.*.tmp"):
+def _sweep(target: Path) -> None:
+    """Remove the hidden folders that killed writers of `target` left."""
+    chance = "?" * 8  # of tempfile's names; with a star "a" would sweep what "a.b" left
+    for left in target.absolute().parent.glob(f".{escape(target.name)}.{chance}.tmp"):
         try:
             with (left / IN_USE).open("rb") as handle:
                 if not locked(handle):
                     continue
-            # it was killed between two renamings
-            if (left / "old").exists() and not target.exists():
-                os.replace(left / "old", target)
-            shutil.rmtree(left, ignore_errors=True)
+                # it was killed between two renamings
+                if (left / "old").exists() and not target.exists():
+                    os.replace(left / "old", target)
+                shutil.rmtree(left, ignore_errors=True)
         except OSError:  # a file of that name, or a folder that is not ours
             continue
 
@@ -173,8 +161,10 @@ def locked(handle: IO[Any]) -> bool | None:
         return None
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except BlockingIOError:
         return False
+    except OSError:
+        return None
     return True
 
 

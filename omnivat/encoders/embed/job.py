@@ -4,6 +4,7 @@ one set.
 
 import json
 import os
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -186,9 +187,10 @@ class Parts:
 
     def remove(self) -> None:
         """Remove the part files, and the folder if nothing else is in it."""
-        for pattern in ("part-*.safetensors", ".part-*.tmp"):
-            for file in self.folder.glob(pattern):
-                file.unlink(missing_ok=True)
+        for file in self.folder.glob("part-*.safetensors"):
+            file.unlink(missing_ok=True)
+        for left in self.folder.glob(".part-*.tmp"):  # a killed embed's
+            shutil.rmtree(left, ignore_errors=True)
         self._remove_if_empty()
 
     def _remove_if_empty(self) -> None:

@@ -16,7 +16,6 @@ import pytest
 from omnivat import cli
 from omnivat.cli import main
 from omnivat.data.store import save_embeddings
-from omnivat.kit import files
 from simulator.__main__ import COMMANDS as DRAWING
 
 pytestmark = pytest.mark.slow
@@ -100,14 +99,11 @@ def killed(names, tmp_path_factory):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
-    command, names, killed, monkeypatch
-):
+def test_a_killed_command_leaves_nothing_half_written_and_runs_again(command, names, killed):
     place, code = killed[command]
     assert code == -signal.SIGKILL
     standing = {p: p.read_bytes() for p in shown(place)}
     assert standing or command not in ("embed", "chirps"), "the next run uses what is there"
-    monkeypatch.setattr(files, "UNFINISHED_S", -1)  # what the dead left need not grow old
     assert (
         main(arguments(command, names | {"out": place}), commands={**cli.COMMANDS, **DRAWING}) == 0
     )

@@ -145,25 +145,27 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
     )
 
 
-def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_be(tmp_path):
-    import time
-
+def test_what_a_killed_writer_left_is_swept_by_the_next_of_its_file_and_by_no_other(tmp_path):
     file = tmp_path / "a[1].txt"
-    left = tmp_path / ".a[1].txt.dead.tmp"
-    young = tmp_path / ".a[1].txt.new.tmp"
-    other = tmp_path / ".b.txt.dead.tmp"
-    for one in (left, young, other):
-        one.write_text("half")
-    old = time.time() - 1000
-    for one in (left, other):
-        os.utime(one, (old, old))
+    ended = """if 1:
+        import os, sys
+        from pathlib import Path
+        from omnivat.kit.files import replacing
+        with replacing(sys.argv[1]) as half:
+            half.with_name("a file of a library beside it").write_text("half")
+            half.write_text("half")
+            os._exit(9)
+    """
+    for name in (file, tmp_path / "a[1].txt.b"):
+        assert subprocess.run([sys.executable, "-c", ended, name], check=False).returncode == 9
+    of_a, of_b = sorted(tmp_path.iterdir(), key=lambda folder: ".b." in folder.name)
     with replacing(file) as alive:
-        os.utime(alive, (old, old))
+        assert not of_a.exists()
         write_text(file, "second writer")
-        assert alive.is_file()
+        assert alive.parent.is_dir()
         alive.write_text("first writer")
     assert file.read_text() == "first writer"
-    assert sorted(p.name for p in tmp_path.iterdir()) == [young.name, other.name, "a[1].txt"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [of_b.name, "a[1].txt"]
 
 
 def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
