@@ -69,9 +69,9 @@ def find_files(chosen: argparse.Namespace) -> None:
 
     Raises DataError for a head or set that does not exist, or a profile that does not load.
     """
-    beside = chosen.head and chosen.head / SET
-    if chosen.head and head_in(chosen.head) != chosen.head:
-        chosen.head = head_in(chosen.head)
+    if chosen.head and (inside := head_in(chosen.head)) != chosen.head:
+        beside = chosen.head / SET
+        chosen.head = inside
         if chosen.embeddings is None and beside.is_file():
             chosen.embeddings = beside
     chosen.compare = [head_in(folder) for folder in chosen.compare]

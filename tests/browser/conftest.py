@@ -179,19 +179,28 @@ def address(server):
 
 
 @pytest.fixture
-def loaded(address):
+def posted(address):
+    """Return a function that sends content to a path; it returns the server's reply, without the
+    page.
+    """
+
+    def post(path, content):
+        with urlopen(Request(f"{address}omnivat/{path}", data=content)) as reply:
+            return json.load(reply)
+
+    return post
+
+
+@pytest.fixture
+def loaded(posted):
     """Return a function that loads files of a head or set, as visitors do; it returns the name of
     what they make together, `?set=`.
     """
 
-    def sent(path, content):
-        with urlopen(Request(f"{address}omnivat/{path}", data=content)) as reply:
-            return json.load(reply)
-
     def load(*files):
-        parts = {one.name: sent(f"part?name={one.name}", one.read_bytes()) for one in files}
+        parts = {one.name: posted(f"part?name={one.name}", one.read_bytes()) for one in files}
         parts = {name: reply["part"] for name, reply in parts.items()}
-        return sent("load", json.dumps({"parts": parts}).encode())["set"]
+        return posted("load", json.dumps({"parts": parts}).encode())["set"]
 
     return load
 

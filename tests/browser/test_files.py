@@ -2,7 +2,6 @@
 
 import json
 from io import BytesIO
-from urllib.request import Request, urlopen
 
 import numpy as np
 import pytest
@@ -42,21 +41,15 @@ def shares(page):
     return page.locator(".pair .bars td[data-reading=tac] .share").all_text_contents()
 
 
-def posted(address, path, content):
-    """Return the server's own answer, without the page."""
-    with urlopen(Request(f"{address}omnivat/{path}", data=content)) as answer:
-        return json.load(answer)
-
-
-def test_a_turned_photo_is_shown_whole_and_answered_as_the_upright_one(pair_page, address):
+def test_a_turned_photo_is_shown_whole_and_answered_as_the_upright_one(pair_page, posted):
     exif = Image.Exif()
     exif[0x0112] = 6
     give(pair_page, "turned.png", saved(picture(), exif=exif))
     plain = picture().transpose(Image.Transpose.ROTATE_270)
     holds(pair_page, "tac", "turned.png · 64 × 96")
     pair_page.wait_for_selector(ANSWERED)
-    ref = posted(address, "image", saved(plain))["ref"]
-    wanted = posted(address, "pair", json.dumps({"tac": ref, "head": "own"}).encode())
+    ref = posted("image", saved(plain))["ref"]
+    wanted = posted("pair", json.dumps({"tac": ref, "head": "own"}).encode())
     told = [f"{100 * p:.1f}\u00a0%" for p in wanted["exact"]["readings"]["tac"]]
     pair_page.wait_for_function(
         """told => [...document.querySelectorAll('.pair .bars td[data-reading=tac] .share')]
