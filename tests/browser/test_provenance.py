@@ -38,7 +38,7 @@ VIEWS = [
     "chapter=gaps&p=0.2",
     "chapter=order",
     "chapter=fooled&reading=tac",
-    "chapter=analyse&mode=moved&sel=0.35",  # last, as what is selected stays
+    "chapter=analyse&mode=moved&sel=0.35",
 ]
 
 

@@ -10,6 +10,7 @@ from .gestures import (
     SLOT,
     WHERE,
     choose,
+    go,
     grab,
     holds,
     open_tab,
@@ -111,6 +112,16 @@ def test_back_steps_through_chapters_and_from_another_page_to_what_was_left_in_t
     assert pixels(page) != before  # alive, not a picture of itself
     assert page.evaluate("document.body.classList.contains('dark')") is not was
     page.click(".ov.top .theme")  # this profile is shared
+
+
+def test_back_to_an_address_restores_its_selection(visit):
+    page = visit("?chapter=analyse&sel=0.3", READY["explore"])
+    page.wait_for_selector(".explore .pictures .clear")
+    go(page, "?chapter=analyse")
+    page.wait_for_selector(".explore .pictures .clear", state="detached")
+    page.go_back(wait_until="commit")
+    page.wait_for_selector(".explore .pictures .clear")
+    assert page.inner_text(".explore .pictures h4").startswith("4 ")
 
 
 def test_the_watch_for_outside_requests_sees_one(desktop, address):

@@ -84,8 +84,13 @@ export function start(frames) {
   resetMaps();
   replace(frames);
   if (state.chapter === "gaps") gaps.open();
-  const points = unpacked(state.sel, 2 * frames.pairs).filter(maps.shown);
-  if (points.length) select(points);
+  followSelection();
+}
+
+/** Select the points in the address, if others are selected. */
+export function followSelection() {
+  if (state.sel === packed(scene.selected)) return;
+  select(unpacked(state.sel, 2 * scene.frames.pairs).filter(maps.shown));
 }
 
 /** Show the whole map, or both. */
@@ -215,13 +220,13 @@ export function followCell() {
   send("cellFollowed", {});
   strangers.showConfusion();
   refilter();
-  const pairs = [...(scene.cell?.pairs ?? [])];
-  select(pairs.flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(maps.shown));
+  if (!scene.cell) return; // the selection in the address stays
+  select([...scene.cell.pairs].flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(maps.shown));
 }
 
 /** Another reading: no cell is chosen, and the map has the points and predictions of this one. */
 export function showReading() {
-  if (scene.cell) change({ cell: "" });
+  if (scene.cell) change({ cell: "", sel: "" });
   strangers.show();
   refilter();
   showLesson();

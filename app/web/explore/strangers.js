@@ -165,7 +165,7 @@ export function showConfusion() {
 /** Show the confusion matrix of another domain. @param {string} stranger */
 export function chooseStranger(stranger) {
   send("arrived", { stranger });
-  change({ cell: "" });
+  if (state.cell) change({ cell: "", sel: "" });
   showConfusion();
 }
 
@@ -173,5 +173,5 @@ export function chooseStranger(stranger) {
 export function chooseCell(truth, answer) {
   const { cell, stranger } = scene;
   const again = cell?.truth === truth && cell.answer === answer;
-  change({ cell: again ? "" : [truth, answer, stranger].join("~") });
+  change(again ? { cell: "", sel: "" } : { cell: [truth, answer, stranger].join("~") });
 }

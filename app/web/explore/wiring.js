@@ -90,6 +90,7 @@ const DRAWN = [
   [["colour", "domain", "class", "modality"], board.showColours],
   [["find", "alike", "range"], board.refilter],
   [["cell"], board.followCell],
+  [["sel"], board.followSelection], // once the points of the address are shown
   [["mode"], followMode],
   [["reading"], board.showReading],
   [["pin"], board.showCard],
