@@ -188,7 +188,7 @@ class TrainTab:
 
         columns = 1 + sum(pixels > width for width in WIDE)
         drawn = training_spec(epochs, columns=columns, **more)
-        return self.update(value=_sent(drawn), visible=True)
+        return self.update(value=_sent(drawn), visible=True, elem_classes=f"columns-{columns}")
 
 
 def _map(run: Run, by: Any) -> Any:
