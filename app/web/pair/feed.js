@@ -58,6 +58,7 @@ export class Feed extends View {
     this.canvas = /** @type {HTMLCanvasElement} */ (this.$("canvas"));
     /** Of this camera, as its picture is: no view reads it. @type {Rest | null} */
     this.rest = null;
+    this.opening = {};
     this.active = false; // a source chosen while Live runs opens at once
     const { device, crop, turn } = (this.menus = Object.fromEntries(
       Object.keys(MENUS).map((name) => [name, /** @type {HTMLSelectElement} */ (this.$(`.${name}`))]),
@@ -104,15 +105,17 @@ export class Feed extends View {
     this.$(".state").textContent = sentence;
   }
 
+  /** Open the chosen source, unless another one is opened or this one closed meanwhile. */
   async open() {
     this.close();
-    const { video } = this;
+    const { video, opening } = this;
     const { value } = this.menus.device;
     const file = this.clip.files?.[0];
     if (!value || (value === "file" && !file)) return;
     if (value === "file" && file) video.src = URL.createObjectURL(file);
     else {
       const stream = await camera({ deviceId: { exact: value } });
+      if (opening !== this.opening) return stopped(stream);
       video.srcObject = stream;
       stream.getVideoTracks()[0].onended = () => {
         this.close();
@@ -122,13 +125,15 @@ export class Feed extends View {
     try {
       await video.play();
     } catch {
+      if (opening !== this.opening) return;
       throw new Refusal(`This source of the ${this.term} cannot be played here; choose another camera or video.`);
     }
   }
 
   close() {
     const { video } = this;
-    if (video.srcObject instanceof MediaStream) for (const track of video.srcObject.getTracks()) track.stop();
+    this.opening = {}; // another one each time
+    if (video.srcObject instanceof MediaStream) stopped(video.srcObject);
     video.srcObject = null;
     video.removeAttribute("src");
     video.load();
@@ -194,6 +199,11 @@ export class Feed extends View {
             "touching the sensor.",
     );
   }
+}
+
+/** @param {MediaStream} stream */
+function stopped(stream) {
+  for (const track of stream.getTracks()) track.stop();
 }
 
 /** @param {HTMLCanvasElement} canvas */
