@@ -16,13 +16,12 @@ from safetensors import deserialize, safe_open
 
 from omnivat.data.hdf5 import arrays
 from omnivat.data.images import MIN_SIDE, from_array, opened, read_image
-from omnivat.data.named_columns import Columns, Pictures, explained, require_one
+from omnivat.data.named_columns import Columns, Pictures, explained, require_one, require_room
 from omnivat.data.naming import FORMATS
 from omnivat.data.parquet import parquet_columns
 from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_regular
-from omnivat.kit.limited import GROWTH, MEMORY
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -83,6 +82,8 @@ def _npz(place: Path) -> Columns:
             try:
                 array = np.asarray(found[name])
             except ValueError as error:
+                if not str(error).startswith("Object arrays"):
+                    raise
                 raise DataError(
                     f"'{place}' holds pickled objects in {name}, which are not read; save one array"
                     " of numbers, or of str."
@@ -94,12 +95,8 @@ def _npz(place: Path) -> Columns:
         return array
 
     with zipfile.ZipFile(place) as archive:
-        stated = max((member.file_size for member in archive.infolist()), default=0)
-    if stated > MEMORY + GROWTH * place.stat().st_size:
-        raise DataError(
-            f"'{place}' states an array of {stated / 1e9:.0f} GB, far more than its own size; save"
-            " it again with numpy.savez."
-        )
+        stated = sum(member.file_size for member in archive.infolist())
+    require_room(place, stated, "its arrays")
     with np.load(place, allow_pickle=False) as found:
         names = tuple(found.files)
     return Columns(

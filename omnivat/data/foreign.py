@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.arrays import require_range
+from omnivat.data.arrays import require_range, walked
 from omnivat.data.class_labels import class_names, labelled_rows
 from omnivat.data.columns import columns_of
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
-from omnivat.data.named_columns import Columns
+from omnivat.data.named_columns import Columns, require_room
 from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
 from omnivat.data.numbers import numbers_of
 from omnivat.data.pairs import TEXTS
@@ -34,6 +34,7 @@ PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
 LABELS = ("domain", "material", *TEXTS)
 FILES = ("vis_file", "tac_file")
 NAMED = 5  # rows that a message names
+PAIR_BYTES = 500  # of memory for a pair's texts
 
 
 def import_embeddings(
@@ -87,8 +88,10 @@ def import_embeddings(
         )
     count = len(np.atleast_1d(found[there[0]]))  # a single number is refused with the others
     mirrored = all(f"{name}_flip" in found for name in there)
+    made = sum(4 * np.size(found[name]) for name in VECTORS if name in found)
+    require_room(place, made + PAIR_BYTES * count, "its vectors and names")
     vectors = {
-        name: _vectors(found[name], name, count, table)
+        name: _vectors(found.pop(name), name, count, table)
         for name in (*there, *(f"{name}_flip" for name in there if mirrored))
     }
     texts = {
@@ -119,8 +122,11 @@ def import_embeddings(
         origin=(origin or f"imported from {place.name}") + words + left_out,
         modalities=there,
     )
+    whole = len(kept), max(widths.values())
     arrays = {
-        name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name])))[kept]
+        name: array
+        if array.shape == whole
+        else np.pad(array, ((0, 0), (0, whole[1] - widths[name])))[kept]
         for name, array in vectors.items()
     }
     for name in VECTORS:  # of one modality, it stands for both
@@ -237,16 +243,19 @@ def _vectors(array: NDArray[Any], name: str, count: int, table: Columns) -> Arra
         raise DataError(f"'{table.place}' has complex numbers in {name}; save real ones.")
     try:
         with np.errstate(over="ignore"):
-            values = array.astype(np.float64).astype(np.float32)
+            values = np.require(array, np.float32, ["C", "W"])
     except ValueError:
         values = np.array([_numbers(row, name, k, table) for k, row in enumerate(array)], "f4")
-    for row, at in np.argwhere(~np.isfinite(values))[:1].tolist():
+    finite = np.isfinite(values)
+    if not finite.all():
+        row, at = divmod(int(finite.argmin()), finite.shape[1])
         raise DataError(
             f"'{table.place}' has {values[row, at]} in {name}, {table.row(row)}; leave that row"
             " out, or compute it again."
         )
-    (checked,) = require_range([values], f"{name} of '{table.place}'")
-    return checked
+    for _ in require_range(walked(values), f"{name} of '{table.place}'"):
+        pass
+    return values
 
 
 def _numbers(cells: NDArray[Any], name: str, row: int, table: Columns) -> list[float]:

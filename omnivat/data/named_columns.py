@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.kit.errors import DataError, OmniVatError, first_line
+from omnivat.kit.limited import GROWTH, MEMORY
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -101,6 +102,17 @@ def require_one(place: Path, names: Sequence[str], name: str) -> None:
     """Raise DataError if several columns of a file have a name."""
     if (count := names.count(name)) > 1:
         raise DataError(f"'{place}' has {count} columns called {name}; rename or leave out some.")
+
+
+def require_room(place: Path, size: int, what: str) -> None:
+    """Raise DataError if `what` a file holds, or what is made of it, would take `size` bytes, far
+    more than the file has.
+    """
+    if size > (most := MEMORY + GROWTH * place.stat().st_size):
+        raise DataError(
+            f"'{place}' would take {size / 1e9:.1f} GB of memory for {what}, and a file of its size"
+            f" has {most / 1e9:.1f} GB; split it into several."
+        )
 
 
 def _plain(name: str) -> str:

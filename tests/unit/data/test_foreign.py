@@ -3,6 +3,7 @@
 import csv
 import sys
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -273,11 +274,22 @@ def test_plain_safetensors_and_vectors_of_one_modality_are_a_set(table, tmp_path
     assert read_features(out).modalities == ("tac",)
 
 
-def test_an_npz_that_states_far_more_than_its_own_size_is_refused(tmp_path, monkeypatch):
-    np.savez_compressed(tmp_path / "a.npz", vis=np.zeros(100_000, np.uint8))
-    monkeypatch.setattr("omnivat.data.columns.MEMORY", 90_000)
-    with pytest.raises(DataError, match="states an array of .* save it again"):
-        columns_of(tmp_path / "a.npz")
+def test_an_npz_whose_arrays_or_vectors_take_far_more_than_its_own_size_is_refused(
+    tmp_path, monkeypatch
+):
+    np.savez_compressed(tmp_path / "a.npz", vis=np.zeros((100, 1000), bool))
+    for most, what in ((90_000, "arrays"), (300_000, "vectors")):
+        monkeypatch.setattr("omnivat.data.named_columns.MEMORY", most)
+        with pytest.raises(DataError, match=f"of memory for its {what}.*split it"):
+            import_embeddings(tmp_path / "a.npz", encoder="x", domain="A", material="wood")
+
+
+def test_an_npz_of_a_type_that_numpy_cannot_hold_is_refused_by_that_type(tmp_path):
+    head = b"{'descr': '<U750000000', 'fortran_order': False, 'shape': (1,)}\n"
+    with ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("vis.npy", b"\x93NUMPY\1\0" + len(head).to_bytes(2, "little") + head)
+    with pytest.raises(DataError, match="cannot be read .*<U750000000"):
+        import_embeddings(tmp_path / "a.npz", encoder="x")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
