@@ -110,8 +110,6 @@ def main(
     Without a command, print the help.
     """
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
-    if arguments is None:
-        _stop_cleanly()
     given = sys.argv[1:] if arguments is None else list(arguments)
     if given and not given[0].startswith("-") and given[0] not in commands:
         known = f"There is no command '{printable(given[0])}'.{suggestion(given[0], commands)}"
@@ -126,6 +124,8 @@ def main(
         whole.print_help()
         return 0
     try:
+        if arguments is None:
+            _stop_cleanly()
         if sys.stdout is None:
             raise WriteError("Standard output is closed; leave it open, or send it to a file.")
         if getattr(options, "figure", None):  # before long work
