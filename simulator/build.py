@@ -79,7 +79,7 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
 
 
 def simulate(
-    out: Path,
+    out: Path | str,
     *,
     domains: Sequence[str | SimulatedDomain] | None = None,
     pairs_per_class: int = PAIRS,
@@ -113,7 +113,7 @@ def simulate(
     kinds = ("tac",) if touches else ("vis", "tac")
     images = [(pair, kind) for pair in in_turn for kind in kinds]
     return draw_set(
-        out, plan, images, origin=f"simulated by omnivat, seed {seed}",
+        Path(out), plan, images, origin=f"simulated by omnivat, seed {seed}",
         seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,
     )  # fmt: skip
 

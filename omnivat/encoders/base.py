@@ -268,8 +268,9 @@ def _load_one(
     made = made.at(layer) if layer else made
     if sensor:
         made.sensor = sensor
-    encoder: Encoder = made if named else checked(made, name)
-    if named and (sensor or layer):
+    listed = named and getattr(made, "name", "") in ENCODERS  # an entry of one's own names none
+    encoder: Encoder = made if listed else checked(made, name)
+    if listed and (sensor or layer):
         encoder.name += name.removeprefix(plain)
     if given is None and plain.startswith(HUB):
         given = Path(plain.removeprefix(HUB))  # a folder, or a name on the hub

@@ -54,7 +54,7 @@ def test_another_seed_gives_other_pictures(built, tmp_path):
 
 
 def test_touches_alone_are_those_of_the_whole_set(built, tmp_path):
-    made = simulate(tmp_path, **SMALL, workers=1, touches=True)
+    made = simulate(str(tmp_path), **SMALL, workers=1, touches=True)
 
     whole, alone = hashes(built), hashes(tmp_path)
     assert {n for n in alone if "_tac" in n} == {n for n in whole if "_tac" in n}

@@ -70,6 +70,12 @@ def test_a_function_of_a_module_or_of_a_file_loads(module, tmp_path):
     assert by_module.weights_hash == by_file.weights_hash
 
 
+def test_an_entry_of_the_table_of_encoders_is_loaded_again_by_its_short_name(module, monkeypatch):
+    monkeypatch.setitem(base.ENCODERS, "mine", f"{module}:load")
+    assert load_encoder("mine").name == "mine"
+    assert load_encoder("mine#1").name == "mine#1"
+
+
 def test_a_picture_is_embedded_again_once_the_code_of_its_encoder_has_changed(tmp_path, picture):
     file, cache = tmp_path / "pooled.py", EmbeddingCache(tmp_path / "cache")
     vectors, keys = [], []
