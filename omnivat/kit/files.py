@@ -52,6 +52,11 @@ def safe_cell(value: object) -> object:
     return value
 
 
+def read_cell(text: str) -> str:
+    """Return the text of a cell without the mark of `safe_cell`."""
+    return text[1:] if text.startswith("'") and safe_cell(text[1:]) == text else text
+
+
 def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     """Write a table completely or not at all; every cell is a `safe_cell`. Raises WriteError."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as handle:

@@ -12,7 +12,7 @@ from typing import Any
 
 from omnivat.data.naming import COLUMNS, SUFFIXES, composed, is_file_name
 from omnivat.kit.errors import DataError, printable
-from omnivat.kit.files import read_whole
+from omnivat.kit.files import read_cell, read_whole
 from omnivat.kit.limited import Limited
 from omnivat.kit.tables import need, suggestion
 
@@ -170,7 +170,9 @@ def numbered_rows(file: Path) -> dict[int, list[str]]:
                 f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error})."
                 " Look for a quotation mark that is not closed."
             ) from error
-    stripped = {line: [composed(cell).strip() for cell in row] for line, row in rows.items()}
+    stripped = {
+        line: [read_cell(composed(cell).strip()) for cell in row] for line, row in rows.items()
+    }
     return {line: row for line, row in stripped.items() if any(row)}
 
 

@@ -4,6 +4,7 @@ joined in files).
 https://huggingface.co/docs/lerobot/lerobot-dataset-v3 and its predecessor describe them.
 """
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -19,8 +20,10 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in, read_object
 
 INFO = Path("meta") / "info.json"
-MOST = 10**9  # episodes, frames, seconds
+MOST = 10**9  # files, seconds
+MOST_FRAMES = 10**7  # of an episode
 MOST_EPISODES = 10**6  # of a split
+LACKING = f"It has no number, or no length of 0 to {MOST_FRAMES:,} frames."
 PLACE = re.compile(r"{(\w+):?(0?\d{0,2}d?)}")  # in the template of a path
 
 
@@ -108,8 +111,8 @@ class LeRobot:
         seen: set[int] = set()
         for line, row in enumerate(rows, start=1):
             number, length = row.get("episode_index"), row.get("length")
-            if not (type(number) is type(length) is int and 0 <= length < MOST):
-                number, problem = f"in line {line}", "It has no number or length."
+            if not (type(number) is type(length) is int and 0 <= length <= MOST_FRAMES):
+                number, problem = f"in line {line}", LACKING
                 row = {"episode_index": number, "problem": problem}
             elif number in seen:
                 row = {"episode_index": number, "problem": "It is listed twice."}
@@ -139,13 +142,16 @@ class LeRobot:
             "video_key": key,
             "episode_index": number,
             "episode_chunk": number // int(self._number("chunks_size", 1000)),
-            **{name: episode.get(f"{place}/{name}", 0) for name in ("chunk_index", "file_index")},
+            **{
+                name: int(number_in(episode.get(f"{place}/{name}", 0), 0, MOST, f"{place}/{name}"))
+                for name in ("chunk_index", "file_index")
+            },
         }
         what = "video_path" if film else "data_path"
         file = self.root / filled(
             self.info.get(what), names, f"{what} of '{show(self.root / INFO)}'"
         )
-        if not file.resolve().is_relative_to(self.root.resolve()):
+        if not Path(os.path.realpath(file)).is_relative_to(self.root.resolve()):  # of any links
             raise DataError(
                 f"'{show(self.root / INFO)}' leads out of the data set: '{show(file)}'."
             )

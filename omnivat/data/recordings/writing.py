@@ -19,6 +19,7 @@ from omnivat.kit.stages import IMAGES
 GRID = 16  # blocks along a side, of which contact changes some; other light changes all of them
 LOOKS = 60  # moments of a recording that are compared with its first one
 UNEQUAL = 0.1  # relative difference of two lengths from which it is reported
+MOST_BYTES = 200  # of a folder's name; file systems allow 255
 COLUMNS = ("vis", "tac", "domain", "material", "object", "split")
 
 
@@ -145,4 +146,5 @@ def plain(name: str) -> str:
     >>> plain("wood / oak"), plain("..")
     ('wood - oak', '-')
     """
-    return re.sub(r"[^\w .()+-]+|^\.+", "-", name).strip()[:80] or "-"
+    found = re.sub(r"[^\w .()+-]+|^\.+", "-", name).strip()[:80]
+    return found.encode()[:MOST_BYTES].decode(errors="ignore") or "-"

@@ -13,6 +13,7 @@ from omnivat.cli import main
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
 from omnivat.data.recordings.films import decoded
+from omnivat.data.recordings.lerobot import LACKING
 from omnivat.kit.errors import DataError, MissingPackageError, SettingsError, WriteError
 from tests.unit.data.films import FPS, film
 
@@ -285,13 +286,38 @@ def test_one_damaged_episode_is_left_out_and_named(tmp_path):
         '{"episode_index": 1}',
         '{"episode_index": 2, "length": 1e999}',
         json.dumps({"episode_index": 1, "length": LENGTH, "tasks": ["\ud800"]}),
+        '{"episode_index": 3, "length": 999999999}',
         json.dumps(good),
     )
     (root / "meta" / "episodes.jsonl").write_text("\n".join([json.dumps(good), *odd]))
     count, skipped, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     assert count == 2 and len(skipped) == len(odd)
-    whys = ["It has no number or length."] * 5 + ["It is listed twice."]
+    whys = [LACKING] * 6 + ["It is listed twice."]
     assert [one.why for one in skipped] == whys
+
+
+@pytest.mark.parametrize("place", [None, [1], "one", float("nan")])
+def test_an_episode_whose_file_has_no_number_is_left_out_with_that_reason(tmp_path, place):
+    root = lerobot(tmp_path / "press", "v3.0")
+    file = root / "meta" / "episodes" / "chunk-000" / "file-000.parquet"
+    table(file, [row | {"data/file_index": place} for row in parquet.read_table(file).to_pylist()])
+    with pytest.raises(DataError, match="data/file_index is .* number from 0"):
+        write_pairs(clips_of(root), tmp_path / "out")
+
+
+def test_a_circle_of_links_is_an_episode_left_out(tmp_path):
+    root = lerobot(tmp_path / "press")
+    file = root / "data" / "chunk-000" / "episode_000001.parquet"
+    file.unlink()
+    file.symlink_to(file.name)
+    _, skipped, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
+    assert [one.what for one in skipped] == ["episode 1"]
+
+
+@pytest.mark.parametrize("domain", ["#1 gel", "..", "+5N", "=1", "𠀀" * 90])
+def test_pairs_of_a_domain_of_any_name_are_read_again(tmp_path, domain):
+    write_pairs(clips_of(lerobot(tmp_path / "press"), domain=domain), tmp_path / "out", frames=2)
+    assert {pair.domain for pair in read_pairs(tmp_path / "out").pairs} == {domain}
 
 
 def test_a_stored_picture_is_bytes_and_never_the_name_of_a_file(tmp_path):
