@@ -7,7 +7,7 @@ import numpy as np
 from safetensors import SafetensorError
 
 from omnivat.data.arranged import known_way
-from omnivat.data.arrays import Column, column, read_arrays, write_arrays
+from omnivat.data.arrays import MOST, Column, column, read_arrays, write_arrays
 from omnivat.data.profile import Channels, Profile
 from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError
@@ -17,7 +17,7 @@ from omnivat.kit.stages import IMAGES
 
 FORMAT = "omnivat-profile-1"
 KEY = ("encoder", "weights_hash", "preprocessing")
-MOST = 10**12  # pictures, above any that a file can count
+MOST_PICTURES = 10**12  # above any that a file can count
 
 
 def save_profile(file: str | Path, profile: Profile) -> None:
@@ -92,7 +92,8 @@ def load_profile(file: str | Path) -> Profile:
 def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:
     mean, variance = (np.array(arrays[f"{name}_{what}"]) for what in ("mean", "variance"))
     count, sound = int(metadata[f"{name}_count"]), mean.dtype == variance.dtype == np.float32
-    shaped = mean.ndim == 1 and mean.shape == variance.shape and mean.size and 0 < count < MOST
-    if not (sound and shaped and np.isfinite([mean, variance]).all() and (variance >= 0).all()):
-        raise ValueError(f"its {name} statistics are no finite means and variances")
+    shaped = mean.ndim == 1 and mean.shape == variance.shape and 0 < count < MOST_PICTURES
+    held = sound and shaped and mean.size and np.abs(mean).max() <= MOST
+    if not (held and variance.min() >= 0 and variance.max() <= MOST**2):  # false of NaN
+        raise ValueError(f"its {name} statistics are not those of numbers up to {MOST:g}")
     return Channels(mean=mean, variance=variance, count=count)

@@ -25,7 +25,7 @@ DOMAINS = ("مستشعر أ", "触覚センサー 1")
 CLASSES = ("خشب", "木", "cafe\u0301", "🪵🏽", "кость", 'a|b, "c"; d/e\'')
 LAMPS = Lamps(
     colours=np.array([[0.1, -2], [1 / 3, 0], [5, 1e-9]]),
-    background=np.arange(7 * 9 * 3, dtype=np.uint8).reshape(7, 9, 3),
+    background=np.arange(8 * 9 * 3, dtype=np.uint8).reshape(8, 9, 3),
     ratio=0.1,
     confidence=0.9,
     pictures=12,

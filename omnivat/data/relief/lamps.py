@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from omnivat.data.arrays import LEAST, MOST
 from omnivat.data.dots import SMALLEST, fill_dots
 from omnivat.data.relief.filters import fast, reduced
 from omnivat.data.relief.moments import (
@@ -69,8 +70,16 @@ class Lamps:
         """Check the arrays."""
         own, behind = self.colours, self.background
         real = isinstance(own, np.ndarray) and own.shape == (3, 2) and own.dtype.kind in "fiu"
-        if not (real and np.isfinite(own).all()):
-            raise DataError("The lamps' colours are not 3 × 2 finite numbers; make them again.")
+        if not (real and (not own.any() or LEAST <= np.abs(own).max() <= MOST)):  # NaN is refused
+            raise DataError(
+                f"The lamps' colours are not 3 × 2 numbers, the largest from {LEAST:g} to {MOST:g};"
+                " make them again."
+            )
+        if self.steepness is not None and not LEAST <= self.steepness <= MOST:
+            raise DataError(
+                f"The lamps' steepness is {self.steepness:g}, and {LEAST:g} to {MOST:g} are"
+                " accepted; measure it again."
+            )
         if behind is not None and not (
             isinstance(behind, np.ndarray)
             and behind.dtype == np.uint8
@@ -158,8 +167,9 @@ def alone(picture: Array, *, dots: str = "fill") -> Lamps:
     fields = [derivatives(fast(reduced(clean(picture, dots), REDUCED)))]
     moments = moments_of(fields).mean(np.ones(1))
     mixture, (least, second) = curl_free(moments)
+    found = colours_of(mixture, moments) * _sign(fields, mixture)
     return Lamps(
-        colours=colours_of(mixture, moments) * _sign(fields, mixture),
+        colours=found * (np.abs(found).max() >= LEAST),  # less is rounding, in an even picture
         background=None,
         ratio=float(least / max(second, 1e-12)),
         confidence=0.0,

@@ -132,13 +132,14 @@ def test_a_profile_without_a_name_is_of_the_only_other_domain():
         domain_of(nameless, ("A", "B", "C"), "A")
 
 
-@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "step", "format"])
+@pytest.mark.parametrize("spoilt", ["mean", "huge", "variance", "count", "step", "format"])
 def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
     file = tmp_path / "p.safetensors"
     mine = profile_of(make_embeddings(), domain="B")
     vis = mine.channels["vis"]
     changed = {
         "mean": replace(vis, mean=vis.mean * np.nan),
+        "huge": replace(vis, mean=np.full_like(vis.mean, 3e38)),
         "variance": replace(vis, variance=-vis.variance - 1),
         "count": replace(vis, count=-3),
     }.get(spoilt, vis)

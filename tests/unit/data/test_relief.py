@@ -8,7 +8,7 @@ from PIL import Image
 
 from omnivat import EXAMPLES, heights, lamps, slopes, with_known_height
 from omnivat.data.images import read_image
-from omnivat.data.relief import NoLampsError, drawn
+from omnivat.data.relief import NoLampsError, alone, drawn
 from omnivat.data.relief.filters import reduced, resized
 from omnivat.kit.errors import DataError
 from tests.unit.data.reliefs import LIT, cosine, pressed, shown, touches
@@ -129,11 +129,19 @@ def test_one_relief_is_drawn_alike_under_two_gels_even_by_a_picture_alone():
     assert np.corrcoef(by_lamps, pair[1])[0, 1] > 0.9
 
 
-@pytest.mark.parametrize("odd", [None, np.eye(2), np.full((3, 2), np.nan), np.eye(3, 2) > 0])
+@pytest.mark.parametrize(
+    "odd",
+    [None, np.eye(2), np.eye(3, 2) > 0, *(np.full((3, 2), x) for x in (np.nan, 1e308, 1e-320))],
+)
 def test_lamps_have_numbers_for_three_colours(odd):
     found = lamps(touches(1, 3))
-    with pytest.raises(DataError, match=r"3 × 2 finite numbers; make them again\.$"):
+    with pytest.raises(DataError, match=r"3 × 2 numbers, the largest from .* again\.$"):
         replace(found, colours=odd)
+
+
+def test_an_even_touch_alone_has_no_light_of_lamps_and_no_relief():
+    even = np.full((64, 64, 3), 128, np.uint8)
+    assert not alone(even).colours.any() and len(np.unique(drawn(even))) == 1
 
 
 @pytest.mark.parametrize("odd", ["x", 0, np.nan, 10**400])
