@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,8 @@ from omnivat.training.batches import batches, labels_of
 
 Array = NDArray[Any]
 Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both
-RECIPE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of every head that is trained in batches
+# of every head that is trained in batches
+RECIPE: dict[str, Any] = {"noise": 4.0, "shift": 1.0, "epochs": 120}
 # as their own files train them
 PUBLISHED = ("baseline", "vt_cmc_head", "ldc_icd", "sitr_supcon")
 
@@ -55,18 +56,14 @@ def raw_of(embeddings: Embeddings, rows: Array) -> dict[str, Tensor]:
     return {n: torch.from_numpy(np.array(getattr(embeddings, n)[rows], np.float32)) for n in IMAGES}
 
 
-def _plan(
-    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any], **head: Any
-) -> TrainingPlan:
-    head, training = {"width": 64, **head}, TrainSettings(**recipe)
+def _plan(embeddings: Embeddings, source: str, seed: int, **head: Any) -> TrainingPlan:
+    head, training = {"width": 64, **head}, TrainSettings(**RECIPE)
     return plan_training(embeddings, source, head=head, training=training, seed=seed)
 
 
-def omnivat(
-    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any] = RECIPE, **head: Any
-) -> Learned:
+def omnivat(embeddings: Embeddings, source: str, seed: int, **head: Any) -> Learned:
     """Train OmniVaT by the page's recipe: D = 64, noise and imitated sensors, texts in training."""
-    plan = _plan(embeddings, source, seed, recipe, **head)
+    plan = _plan(embeddings, source, seed, **head)
     model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
     places = [embeddings.header.classes.index(name) for name in plan.settings.classes]
 
@@ -93,11 +90,9 @@ def dtg(embeddings: Embeddings, source: str, seed: int) -> Learned:
     return omnivat(embeddings, source, seed, mffa=False)
 
 
-def erm_mlp(
-    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any] = RECIPE
-) -> Learned:
+def erm_mlp(embeddings: Embeddings, source: str, seed: int) -> Learned:
     """Train ERM-MLP on both images by the same recipe: input, mirroring, noise, shift, batches."""
-    plan = _plan(embeddings, source, seed, recipe)
+    plan = _plan(embeddings, source, seed)
     own = profile_of(plan.pairs).channels
     labels = labels_of(plan.pairs, plan.settings)
     with seeded(derive_seed(seed, "erm-mlp")):
@@ -301,5 +296,3 @@ METHODS: dict[str, Callable[[Embeddings, str, int], Learned]] = {
     "logistic": logistic,
     "nearest_mean": nearest_mean,
 }
-# measured only where it is named: by relief, sources choose half of the recipe's noise
-VARIANTS = {"omnivat_half": partial(omnivat, recipe=RECIPE | {"noise": 2.0, "shift": 0.5})}

@@ -249,10 +249,10 @@ def spent(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"{count} touches: {median(each):.1f} s, {each[0]:.1f} to {each[-1]:.1f}."
 
 
-def gel_traits(count: int = 50) -> None:
+def gel_traits() -> None:
     """Print grain, of 255, and sharpness of the simulated gels."""
     for name, gel in GELS.items():
-        card = card_of(Pressed(gel, 900, count).seen(gel))
+        card = card_of(Pressed(gel, 900, 50).seen(gel))
         grain, sharp = (float(np.exp(card.of(row)[0])) for row in ("noise", "sharpness"))
         print(f'    "{name}": ({grain:.1f}, {sharp:.2f}),')
 

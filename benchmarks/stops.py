@@ -100,7 +100,7 @@ def started(name: str, names: dict[str, Path], out: Path) -> "subprocess.Popen[b
 
 
 def disturbed(
-    name: str, names: dict[str, Path], chance: Random, moments: int, signals: Any = SIGNALS
+    name: str, names: dict[str, Path], chance: Random, moments: int
 ) -> Iterator[tuple[str, list[str]]]:
     """Yield for each moment what ended the command, and how a run after it differs: "" and files
     that are not those of an undisturbed run.
@@ -118,7 +118,7 @@ def disturbed(
         with TemporaryDirectory() as folder:
             out = Path(folder) / "whole"
             out.mkdir()
-            process, number = started(name, names, out), signals[k % len(signals)]
+            process, number = started(name, names, out), SIGNALS[k % len(SIGNALS)]
             try:
                 process.communicate(timeout=took * (STARTED + (1 - STARTED) * chance.random()))
                 how = "over before"

@@ -43,7 +43,6 @@ from torch.nn.functional import normalize
 from benchmarks._table_methods import (
     METHODS,
     PUBLISHED,
-    VARIANTS,
     Array,
     Learned,
     Raw,
@@ -106,7 +105,7 @@ class Measured:
         if name in PUBLISHED:
             self.method: Learned = published(name, embeddings, source, seed)
         else:
-            self.method = (methods | VARIANTS)[name](embeddings, source, seed)
+            self.method = methods[name](embeddings, source, seed)
         self.seconds = time.perf_counter() - started
         self.reader = reader_of(self.method, embeddings, source)
 

@@ -2,12 +2,11 @@
 
 Known pairs are drawn and left out of the test; results are averaged over draws:
 
-    from omnivat.measure.rungs import labels, pairs, rest, sensors
+    from omnivat.measure.rungs import labels, pairs, sensors
 
     measured(head, embeddings)                      # nothing is known
     measured(head, embeddings, pairs(5), draws=10)  # five pairs without labels: a profile
     measured(head, embeddings, labels(3))           # three labelled pairs of each class: taught
-    measured(head, embeddings, rest(subtracted))    # a no-contact picture of each sensor
     measured(reader, embeddings, sensors(4))        # learned from four domains in place of one
 
 A head, or any method as a `Reader`, is measured alike.

@@ -21,7 +21,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What is known of every target; `pairs`, `labels`, `sensors`, `rest` and `NOTHING` make it."""
+    """What is known of every target; `pairs`, `labels`, `sensors` and `NOTHING` make it."""
 
     name: str  # short, for records
     words: str
@@ -76,14 +76,6 @@ def sensors(count: int, *, profiles: bool = False) -> Known:
     more = " and all pairs without labels" * profiles
     name, words = f"m{count}{'+' * profiles}", f"{count} source domains{more}"
     return Known(name, words, pairs=ALL * profiles, sensors=count)
-
-
-def rest(subtracted: "Embeddings") -> Known:
-    """Return a no-contact picture of each sensor.
-
-    subtracted  the same pairs, embedded without it
-    """
-    return Known("rest", "a no-contact picture of the sensor", rested=subtracted)
 
 
 def _row(known: Known, **more: Any) -> Row:

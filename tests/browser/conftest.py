@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from urllib.request import Request, urlopen
 
@@ -160,16 +160,23 @@ class Server:
         return (self.folder / "log").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="session")
-def server(tmp_path_factory):
-    """Start one server for all journeys; it must not log a traceback."""
-    server = Server(tmp_path_factory.mktemp("server"))
+@contextmanager
+def running(*place, **more):
+    """Start a server; it must not log a traceback."""
+    server = Server(*place, **more)
     try:
         server.start()
         yield server
         assert "Traceback" not in server.log(), server.log()
     finally:
         server.stop()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory):
+    """Return one server for all journeys."""
+    with running(tmp_path_factory.mktemp("server")) as server:
+        yield server
 
 
 @pytest.fixture(scope="session")

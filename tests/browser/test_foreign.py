@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.site import served
 
-from .conftest import Server
+from .conftest import running
 
 pytestmark = pytest.mark.browser
 
@@ -62,13 +62,8 @@ def test_a_script_that_is_put_into_the_page_does_not_run(desktop, address):
 def by_name(tmp_path_factory):
     """A server that is also called demo.example, on another loopback address, and framed."""
     more = ("--allow-host", "demo.example", "--host", "127.0.0.2", "--allow-framing")
-    server = Server(tmp_path_factory.mktemp("by-name"), "127.0.0.2", more)
-    try:
-        server.start()
+    with running(tmp_path_factory.mktemp("by-name"), "127.0.0.2", more) as server:
         yield server
-        assert "Traceback" not in server.log(), server.log()
-    finally:
-        server.stop()
 
 
 def test_a_server_with_a_name_of_its_own_gives_foreign_pages_nothing(chromium, by_name, foreign):

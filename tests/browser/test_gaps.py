@@ -7,7 +7,7 @@ import torch
 from app.shared.places import places
 from app.shared.resources import Resources
 from omnivat import EXAMPLES, read_frames
-from omnivat.maps.projection.neighbours import placed
+from omnivat.maps.projection.neighbours import affine, placed_by
 from omnivat.measure.gaps.unit import unit
 
 from .gestures import ANSWERED, choose, go, grab, holds, p_shown, pixels, pull, settle
@@ -188,7 +188,8 @@ def expected(files, frames):
         queries = unit(torch.cat([*out.f_hat.values(), tree + out.nodes[0]]))
         drawn = frames.maps["umap/f_hat"]
         flat = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
-        return placed(queries, unit(torch.cat(list(whole.f_hat.values()))), flat).places.numpy()
+        points = unit(torch.cat(list(whole.f_hat.values())))
+        return placed_by(affine(points, flat), queries, points, flat).numpy()
 
     return at
 

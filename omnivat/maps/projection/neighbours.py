@@ -83,33 +83,17 @@ SAME = 1e-5  # of the mean distance to the middle: float32 rows of one pair, fro
 EXACT = 1e-3  # of the map's radius; an affine map with smaller errors counts as the map
 
 
-class Placed(NamedTuple):
-    """Places of rows on a map, and whether they are exact."""
-
-    places: Tensor  # (Q, 2)
-    exact: bool
-
-
-def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
-    """Return the places of new rows on an existing map, in double precision.
-
-    queries  (Q, D) new features
-    points   (N, D) the features of the map, at the same order
-    flat     (N, 2) the map as drawn: rotated, mirrored or rounded
-
-    A linear map (PCA) is recovered from the points and places new rows exactly. On other maps, new
-    rows lie between their nearest neighbours.
-    """
-    queries, points = (x.double() for x in features(most=SUMMED, queries=queries, points=points))
-    flat = torch.as_tensor(flat).double()
-    known = affine(points, flat)
-    return Placed(placed_by(known, queries, points, flat), exact=known is not None)
-
-
 def placed_by(
     known: Tensor | None, queries: Tensor, points: Tensor | Searched, flat: Tensor
 ) -> Tensor:
-    """Return `placed` for what `affine` gives of the points and the map."""
+    """Return the places (Q, 2) of new rows on an existing map.
+
+    known    `affine` of the points and the map: places are exact; None: new rows lie between their
+             nearest neighbours
+    queries  (Q, D) new features
+    points   (N, D) the features of the map, at the same order, or `searched` of them
+    flat     (N, 2) the map as drawn: rotated, mirrored or rounded
+    """
     if known is None:
         return place(queries, points, flat)
     return queries.double() @ known[:-1] + known[-1]
@@ -138,8 +122,8 @@ def place(queries: Tensor, points: Tensor | Searched, flat: Tensor) -> Tensor:
     return   (Q, 2) mean of the neighbours' places, weighted by exp(-(d - nearest) / mean excess);
              of PLACED_BY neighbours, or of all rows of a small set
 
-    A row of the map gets its own place. The map does not change. For a linear map (PCA), `placed`
-    and `pca.Basis.place` are exact.
+    A row of the map gets its own place. The map does not change. For a linear map (PCA),
+    `placed_by` and `pca.Basis.place` are exact.
     """
     among = points if isinstance(points, Searched) else searched(points)
     require_shapes(points=(among.rows, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))

@@ -130,9 +130,7 @@ def compare(
     }
 
 
-def predicted_numbers(
-    features: Features, target: str, *, draws: int = DRAWS, seed: int = 0
-) -> list[Record]:
+def predicted_numbers(features: Features, target: str, *, seed: int = 0) -> list[Record]:
     """Return R² and mean absolute error of a ridge probe of a column of numbers, by column of
     `compare`: records {"id", "title", "value", "low", "high"}.
 
@@ -142,7 +140,7 @@ def predicted_numbers(
     sources = _able(features, values)
     drawn = draws_of(features.embeddings, sources)
     with one_thread(), one_blas_thread():
-        made = _measured(features, sources, values, drawn, draws, seed, lambda _: None)
+        made = _measured(features, sources, values, drawn, DRAWS, seed, lambda _: None)
     enough = _enough(features)
     return [
         {"id": i, "title": _title(i), **_ends(resampled, enough)} for i, resampled in made.items()

@@ -12,7 +12,7 @@ from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.journey import journey, map_stops
-from omnivat.maps.projection.neighbours import placed
+from omnivat.maps.projection.neighbours import affine, placed_by
 from omnivat.measure.gaps.unit import unit
 
 
@@ -50,11 +50,12 @@ def test_images_and_nodes_lie_where_the_map_places_them_at_every_stop(shipped):
         stars = unit(tree[:, None] / 2 + out.nodes)
         for method in ("umap", "pca"):
             drawn = frames.maps[f"{method}/f_hat"]
-            flat = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
+            flat = torch.from_numpy(drawn.places(drawn.orders.index(stop))).to(rows.dtype)
+            known = affine(rows.double(), flat.double())
             for name, of in out.f_hat.items():
-                wanted = placed(unit(of), rows, flat).places
+                wanted = placed_by(known, unit(of), rows, flat)
                 assert (found.places[method][name][at] - wanted).abs().max() < 1e-3
-            wanted = placed(stars.flatten(0, 1), rows, flat).places.unflatten(0, (2, 7))
+            wanted = placed_by(known, stars.flatten(0, 1), rows, flat).unflatten(0, (2, 7))
             assert (found.nodes[method][at] - wanted).abs().max() < 1e-3
         torch.testing.assert_close(found.readings["fused"][at], out.probabilities)
         torch.testing.assert_close(

@@ -10,7 +10,7 @@ from omnivat.head.linear_maps import fit_maps
 from omnivat.kit.errors import DataError
 from omnivat.measure.known import at_home, few, measured, parts
 from omnivat.measure.readers import Reader, of_head, of_maps
-from omnivat.measure.rungs import NOTHING, labels, pairs, rest, sensors
+from omnivat.measure.rungs import NOTHING, labels, pairs, sensors
 from omnivat.measure.shares import record, wilson
 
 
@@ -149,8 +149,8 @@ def test_a_head_of_one_sensor_says_that_it_cannot_learn_more(head, shifted):
 def test_with_a_rest_picture_the_same_pairs_are_read_from_other_embeddings(head, shifted):
     offset = shifted.tac[shifted.domain == 1].mean(0) - shifted.tac[shifted.domain == 0].mean(0)
     subtracted = replace(shifted, tac=shifted.tac - (shifted.domain == 1)[:, None] * offset)
-    found = measured(head, shifted, rest(subtracted))
-    assert found["rung"] == "rest" and found["scores"] == measured(head, subtracted)["scores"]
+    found = measured(head, shifted, replace(NOTHING, rested=subtracted))
+    assert found["scores"] == measured(head, subtracted)["scores"]
     assert found["scores"]["tac"]["accuracy"] > measured(head, shifted)["scores"]["tac"]["accuracy"]
 
 

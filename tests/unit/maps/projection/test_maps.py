@@ -11,7 +11,7 @@ from scipy.optimize import curve_fit
 from omnivat.kit.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.kit.tables import load
 from omnivat.maps.projection import PROJECTIONS, pca, torch_umap, umap
-from omnivat.maps.projection.neighbours import affine, nearest, place, placed
+from omnivat.maps.projection.neighbours import affine, nearest, place, placed_by
 from omnivat.maps.projection.quality import quality
 from omnivat.maps.projection.torch_umap import aligned, spectral_map
 
@@ -178,17 +178,16 @@ def test_a_nearer_neighbour_draws_a_new_row_more():
 def test_a_turned_linear_map_places_rows_that_it_never_saw():
     points, fresh, other = noise(73, 8, dtype=torch.float64).split((60, 5, 8))
     axes = torch.linalg.qr(other).Q[:, :2]
-    found = placed(fresh, points, points @ axes + 3)
-    assert found.exact
-    torch.testing.assert_close(found.places, fresh @ axes + 3, atol=1e-9, rtol=0)
+    flat = points @ axes + 3
+    found = placed_by(affine(points, flat), fresh, points, flat)
+    torch.testing.assert_close(found, fresh @ axes + 3, atol=1e-9, rtol=0)
 
 
 def test_a_map_that_is_not_linear_is_not_taken_for_one():
     points = noise(60, 8)
     assert affine(points, points[:, :2] ** 2) is None
-    found = placed(points[:1], points, points[:, :2] ** 2)
-    assert not found.exact
-    torch.testing.assert_close(found.places.float(), points[:1, :2] ** 2)
+    found = placed_by(None, points[:1], points, points[:, :2] ** 2)
+    torch.testing.assert_close(found, points[:1, :2] ** 2)
 
 
 def test_too_few_points_cannot_show_that_a_map_is_linear():
