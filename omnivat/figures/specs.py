@@ -84,6 +84,7 @@ def training_spec(
         for words, series in TRAINING.items()
         if any(known(epoch.get(key)) for epoch in epochs for key in series.values())
     }
+    columns = max(1, min(columns, len(panels)))
     rows = max(1, -(-len(panels) // columns))
     wide, high = 0.16 / columns, 0.34 / rows  # between panels
     width, tall = (1 - wide * (columns - 1)) / columns, (1 - high * (rows - 1)) / rows

@@ -63,13 +63,16 @@ def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_grad
 
 
 def test_on_a_phone_nothing_moves_and_limits_that_are_open_stay_open_when_gradio_comes(early):
-    page, come = early("", (400, 720))
+    page, come = early("?chapter=where", (400, 720))
+    scrolled = "document.querySelector('.explore .chapters').scrollLeft"
+    assert page.evaluate(scrolled) > 0
     page.click(".top .badge:has-text('simulated data')")
     page.wait_for_selector(".top .limits >> visible=true")
     before = page.evaluate(PLACE)
     come()
     page.wait_for_selector("#omnivat-first", state="detached")
     assert page.is_visible(".top .limits") and page.evaluate(PLACE) == before
+    assert page.evaluate(scrolled) > 0
 
 
 def drag_over(page, name):

@@ -1,5 +1,6 @@
 """The shelf of real pairs, beside a server that runs where a set was fetched."""
 
+from dataclasses import replace
 from shutil import rmtree
 
 import pytest
@@ -50,7 +51,8 @@ def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(
 ):
     """Of a set as it is fetched: two sensors and a split."""
     file, head = tmp_path / "embeddings.safetensors", tmp_path / "head"
-    save_embeddings(file, make_embeddings(**TWO))
+    made = make_embeddings(**TWO)
+    save_embeddings(file, replace(made, header=replace(made.header, simulated=False)))
     learn = ["train", "--embeddings", str(file), "--source", "GelSight", "--out", str(head)]
     assert main([*learn, "--no-calibration", "--set", "width=16", "--set", "epochs=3"]) == 0
     parts = ("weights.safetensors", "settings.json", "profile.safetensors")
@@ -71,3 +73,8 @@ def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(
         " new sensor, then 8 pairs without" in words
     )
     assert "the project’s simulated touches" in page.inner_text(".explore .lead")
+    page.wait_for_selector(".top .badge:has-text('simulated data')")
+    page.click(".explore [data-chapter=analyse]")
+    page.wait_for_selector(".top .badge:has-text('real pairs')")
+    page.click(".explore [data-chapter=where]")
+    page.wait_for_selector(".top .badge:has-text('simulated data')")

@@ -119,7 +119,7 @@ function fooled({ own, facts: { unseen, fit } }) {
       title: "In which domains does the head fail?",
       figure: unseen.unseen["answers/fused"] ? html`` : html`There is no accuracy for unseen domains: ${blind(own)}`,
       remark: unseen.domains.some((domain) => domain["answers/fused"])
-        ? html`Black bar: 95 % interval. Thin line: chance.${ofOwn(own, unseenPairs(own, unseen))}`
+        ? html`Short bar: 95 % interval. Thin line: chance.${ofOwn(own, unseenPairs(own, unseen))}`
         : html``,
     };
   const [photo, touch] = [alike["answers/vis"], alike["answers/tac"]];

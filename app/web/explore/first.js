@@ -6,6 +6,7 @@ import { awaited } from "../shared/ready.js";
 import { state } from "../shared/store.js";
 import { nameDocument } from "../shared/tabs.js";
 import { start } from "./explore.js";
+import { bringIntoSight } from "./page.js";
 
 const shell = /** @type {HTMLElement} */ (document.getElementById("omnivat-first"));
 const header = /** @type {HTMLElement} */ (shell.querySelector(".top"));
@@ -53,6 +54,7 @@ function move() {
   for (const one of opened) one.showPopover();
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
+  bringIntoSight(); // an element that moves is no longer scrolled
   shell.remove();
   watcher.disconnect();
   nameDocument();

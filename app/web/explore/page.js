@@ -5,7 +5,7 @@ import { choices, fit, pairNames, unseen } from "../shared/facts.js";
 import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
 import { change, openAt, openChapter } from "../shared/store.js";
-import { theSet } from "../shared/theset.js";
+import { sayWhetherSimulated, theSet } from "../shared/theset.js";
 import { making, tell } from "../shared/view.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
@@ -59,7 +59,9 @@ export async function enter() {
     const still = { touch, where: threads }[chapter]; // their pictures do not follow p
     if (still) {
       await still.open();
-      return late() || opened(chapter);
+      if (late()) return;
+      sayWhetherSimulated(scene.twins.simulated);
+      return opened(chapter);
     }
     const set = chapter === "gaps" ? gaps.chosenHead().set : setOf(chapter, scene.sets);
     const data = await dataOf(set, (step) => !scene.chapter && telling(step));
@@ -72,6 +74,7 @@ export async function enter() {
     if (!frames) return say(problem);
     if (state.p === null) openAt(startOf(chapter, frames, data.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) change({ pin: null });
+    sayWhetherSimulated(data.own.meta.embeddings.simulated, data.own.domains);
     opened(chapter);
     board.start(frames);
     learnAll(data);
@@ -87,14 +90,18 @@ function opened(chapter) {
   $().classList.add("ready");
 }
 
+/** Scroll the chapters to the chosen one, on a phone. */
+export function bringIntoSight() {
+  for (const button of all(".chapters [aria-current=page]")) button.parentElement.scrollLeft = button.offsetLeft - 40;
+}
+
 /** Show the parts of a chapter. @param {string} chapter */
 function layOut(chapter) {
   $().dataset.chapter = chapter;
   for (const part of all("[data-for]")) part.hidden = !part.dataset.for.split(" ").includes(chapter);
-  for (const button of all(".chapters [data-chapter]")) {
+  for (const button of all(".chapters [data-chapter]"))
     button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
-    if (button.dataset.chapter === chapter) button.parentElement.scrollLeft = button.offsetLeft - 40; // on a phone
-  }
+  bringIntoSight();
   $(".whose").hidden = !threads.isOwn() || !PROJECT.includes(chapter);
   const lesson = LESSONS[chapter];
   if (!lesson) return;

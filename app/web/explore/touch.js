@@ -81,7 +81,6 @@ export async function open() {
   const twins = await fetchTwins();
   send("arrived", { twins });
   show();
-  document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }
 
 /** Draw the chapter; the legend is about the domain that is pointed at. */
@@ -148,7 +147,7 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
   const seen = `Photographed ${place}.`;
   const legend = about
     ? { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading]
-    : html`<span class="bar-key">Black bar: 95\u00a0% interval. Thin line: chance.</span>`; // bars need a wide page
+    : html`<span class="bar-key">Short bar: 95\u00a0% interval. Thin line: chance.</span>`; // bars need a wide page
   return html`<figure class="object"><span class="tile" role="img" aria-label="the object, ${classes[truth]}">
     <i style="${picture(photo ? TOUCH : PHOTO, at.from)}"></i></span><figcaption><b>${classes[truth]}</b>
     ${looks && html`<br><small>looks like ${looks}</small>`}</figcaption></figure>${cards}

@@ -17,9 +17,11 @@ export function start(root) {
       tour.title = sentence;
       tour.disabled = true;
     });
+  const badge = root.querySelector(".badge");
+  const simulated = [...badge.childNodes];
   document.addEventListener("omnivat:simulated", (event) => {
-    root.querySelector(".badge").hidden = false;
-    if (event instanceof CustomEvent && !event.detail) root.querySelector(".badge").textContent = "real pairs";
+    badge.hidden = false;
+    badge.replaceChildren(...(event instanceof CustomEvent && !event.detail ? ["real pairs"] : simulated));
   });
   document.addEventListener("omnivat:lost", (event) => {
     root.querySelector(".lost").hidden = !(event instanceof CustomEvent && event.detail);

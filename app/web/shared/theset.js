@@ -38,7 +38,7 @@ async function fetchAll(set) {
   /** The badge does not wait for the map. @param {Step | null} step */
   const tell = (step) => {
     loaded(set)
-      .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
+      .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains))
       .catch(() => {});
     for (const onWait of waiting) onWait(step);
   };
@@ -48,8 +48,8 @@ async function fetchAll(set) {
   return { frames, sprite };
 }
 
-/** @param {boolean | undefined} stated @param {string[]} domains */
-function sayWhetherSimulated(stated, domains) {
+/** Name what the data on the screen are. @param {boolean | undefined} stated @param {string[]} domains */
+export function sayWhetherSimulated(stated, domains = []) {
   const detail = stated || domains.some(isSimulated);
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail }));
 }
