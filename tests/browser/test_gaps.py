@@ -187,8 +187,8 @@ def expected(files, frames):
         tree = torch.stack(list(out.f_bar.values())).mean(0)
         queries = unit(torch.cat([*out.f_hat.values(), tree + out.nodes[0]]))
         drawn = frames.maps["umap/f_hat"]
-        flat = torch.from_numpy(drawn.places(drawn.orders.index(stop)))
-        points = unit(torch.cat(list(whole.f_hat.values())))
+        flat = torch.from_numpy(drawn.places(drawn.orders.index(stop))).double()
+        points = unit(torch.cat(list(whole.f_hat.values()))).double()
         return placed_by(affine(points, flat), queries, points, flat).numpy()
 
     return at
