@@ -16,7 +16,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STAGES
 from omnivat.maps.frames import FrameSet
 from omnivat.maps.frames.builder import UMAP_STOPS, spread, stacked
-from omnivat.maps.projection.neighbours import Searched, affine, placed_by, searched
+from omnivat.maps.projection.neighbours import Searched, affine, place_each, placed_by, searched
 from omnivat.maps.sweep import walk
 from omnivat.measure.gaps.unit import unit
 
@@ -130,7 +130,7 @@ def journey(
     pairs, images = torch.arange(len(kept)), kept.names
     through: list[MapStop] = []
     outputs, trees = [], []
-    flat: list[dict[str, Tensor]] = []  # (modalities and nodes, B, 2) by method
+    flat: list[dict[str, Tensor]] = []  # (stops, modalities and nodes, B, 2) by method
     # kept stops are one batch; others come and go one by one, as each may hold a large set
     for some in [stops] if isinstance(stops, Sequence) and stops else ([stop] for stop in stops):
         orders = torch.tensor([stop.order for stop in some], dtype=torch.float64)
@@ -139,21 +139,19 @@ def journey(
         bar = torch.stack(list(out.f_bar.values())).mean(0)
         nodes = bar[:, None, :][:, :0] if out.nodes is None else out.nodes
         rows = torch.stack([*out.f_hat.values(), *(bar[:, None] + nodes).unbind(1)])
-        for stop, queries in zip(some, unit(rows).split(len(pairs), dim=1), strict=True):
-            flat.append(
-                {
-                    name: placed_by(
-                        stop.affine[name], queries.flatten(0, 1), stop.points, drawn
-                    ).unflatten(0, (-1, len(pairs)))
-                    for name, drawn in stop.flat.items()
-                }
-            )
+        queries = unit(rows).unflatten(1, (len(some), -1)).transpose(0, 1).flatten(1, 2)
+        flat.append(
+            {
+                name: placed_at(some, name, queries).unflatten(1, (-1, len(pairs)))
+                for name in some[0].flat
+            }
+        )
         through.extend(some)
         outputs.append(out)
         trees.append(nodes)
     if not flat:
         raise DataError("A journey needs one stop or more; give those of map_stops.")
-    whole = {name: torch.stack([each[name] for each in flat]) for name in flat[0]}
+    whole = {name: torch.cat([each[name] for each in flat]) for name in flat[0]}
 
     def at_stops(rows: Iterable[Tensor]) -> Tensor:
         every: Tensor = torch.cat(list(rows)).unflatten(0, (len(through), len(pairs)))
@@ -168,10 +166,23 @@ def journey(
             for method, rows in whole.items()
         },
         nodes={method: rows[:, len(images) :].transpose(1, 2) for method, rows in whole.items()},
-        exact={name: stop.affine[name] is not None for name in whole},
+        exact={name: through[-1].affine[name] is not None for name in whole},
         readings={
             name: at_stops(out.reading(name) for out in outputs) for name in outputs[0].readings
         },
         node_probabilities=model.classify(nodes).softmax(-1),
         node_lengths=nodes.norm(dim=-1),
+    )
+
+
+def placed_at(stops: Sequence[MapStop], name: str, queries: Tensor) -> Tensor:
+    """Return the places of rows (P, Q, D) on the maps of one method at P stops, (P, Q, 2)."""
+    known = [stop.affine[name] for stop in stops]
+    if all(one is None for one in known):
+        return place_each(queries, [stop.points for stop in stops], [s.flat[name] for s in stops])
+    return torch.stack(
+        [
+            placed_by(one, rows, stop.points, stop.flat[name])
+            for one, rows, stop in zip(known, queries, stops, strict=True)
+        ]
     )

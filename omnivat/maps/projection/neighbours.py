@@ -1,6 +1,7 @@
 """Exact nearest neighbours by matrix product, and new points on an existing map: exactly if it is
 linear, else between neighbours."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -127,17 +128,23 @@ def place(queries: Tensor, points: Tensor | Searched, flat: Tensor) -> Tensor:
     """
     among = points if isinstance(points, Searched) else searched(points)
     require_shapes(points=(among.rows, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
-    index, share = neighbour_shares(queries, among)
-    return (flat[index] * share[..., None]).sum(1)
+    return place_each(queries[None], [among], [flat])[0]
 
 
-def neighbour_shares(queries: Tensor, among: Searched) -> tuple[Tensor, Tensor]:
-    """Return the neighbours of each row (Q, k) and their shares in its place."""
-    found = nearest(among, min(PLACED_BY, len(among.rows)), queries=queries)
-    beyond = found.distance - found.distance[:, :1]
+def place_each(queries: Tensor, among: Sequence[Searched], flat: Sequence[Tensor]) -> Tensor:
+    """Return `place` of rows (S, Q, D) on S maps, (S, Q, 2): what is small is one batch."""
+    found = [
+        nearest(points, min(PLACED_BY, len(points.rows)), queries=rows)
+        for points, rows in zip(among, queries, strict=True)
+    ]
+    distance = torch.stack([near.distance for near in found])
+    beyond = distance - distance[..., :1]
     tiny = torch.finfo(beyond.dtype).tiny
-    weight = (-beyond / beyond.mean(1, keepdim=True).clamp_min(tiny)).exp()
-    scale = SAME * among.squares.sqrt().mean()
-    there = found.distance <= scale
-    weight = torch.where(there.any(1, keepdim=True), there.to(weight.dtype), weight)
-    return found.index, weight / weight.sum(1, keepdim=True)
+    weight = (-beyond / beyond.mean(-1, keepdim=True).clamp_min(tiny)).exp()
+    scale = SAME * torch.stack([points.squares.sqrt().mean() for points in among])
+    there = distance <= scale[:, None, None]
+    weight = torch.where(there.any(-1, keepdim=True), there.to(weight.dtype), weight)
+    share = (weight / weight.sum(-1, keepdim=True))[..., None]
+    places = torch.stack([drawn[near.index] for drawn, near in zip(flat, found, strict=True)])
+    mean: Tensor = (places * share).sum(2)
+    return mean
