@@ -84,6 +84,8 @@ def part(
         def visit(name: str, item: Any) -> None:
             attributes[name] = _attributes(item)
             if hasattr(item, "dtype"):
+                if item.external or item.is_virtual:  # which may be any file, or be missing
+                    raise ValueError(f"the values of {name} lie in other files")
                 inner = h5py.check_vlen_dtype(item.dtype) or item.dtype
                 found[name] = item.shape or (), item.dtype.str, bool(inner == np.uint8)
 

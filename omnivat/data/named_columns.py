@@ -1,9 +1,11 @@
 """Named columns of a file, read one by one, of numbers, texts or pictures."""
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +33,7 @@ class Pictures:
     lengths: Sequence[int] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Columns:
     """The columns of a file, read one by one.
 
@@ -73,10 +75,23 @@ class Columns:
         """Return the full name of a column, which may lie in a group and be written as a person
         does, such as "Object ID" for object_id; "" of none or several.
         """
-        ends = [key for key in self.names if key.rpartition("/")[2] == name]
-        alike = [key for key in self.names if _plain(key.rpartition("/")[2]) == name]
-        found = [name] if name in self.names else ends or alike
+        near = self.alike(name)
+        if name in near:
+            return name
+        ends = [key for key in near if key.rpartition("/")[2] == name]
+        found = ends or [key for key in near if _plain(key.rpartition("/")[2]) == name]
         return found[0] if len(found) == 1 else ""
+
+    def alike(self, name: str) -> Sequence[str]:
+        """Return the full names that end as `name`, in capitals or not."""
+        return self._by_end.get(_plain(name.rpartition("/")[2]), ())
+
+    @cached_property
+    def _by_end(self) -> dict[str, list[str]]:  # a file may have 100,000
+        found: dict[str, list[str]] = defaultdict(list)
+        for name in self.names:
+            found[_plain(name.rpartition("/")[2])].append(name)
+        return found
 
     def pictures_of(self, name: str) -> Pictures | None:
         """Return the pictures of a column, if it has any. Raises DataError."""
@@ -116,7 +131,7 @@ def require_room(place: Path, size: int, what: str) -> None:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[\s-]+", "_", name.strip().lower())
+    return re.sub(r"[\s-]+", "_", name.strip().casefold())
 
 
 @contextmanager

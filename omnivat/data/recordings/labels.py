@@ -88,7 +88,7 @@ def _array(table: Columns, key: str, inner: list[str], top: list[str]) -> str:
     its recording; "" without one.
     """
     near = []
-    for name in table.names:
+    for name in table.alike(key):
         parts = name.split("/")
         above = parts[:-1]
         mine = above == inner[: len(above)] or above[: len(top)] == top

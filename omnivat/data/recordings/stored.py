@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 STORED = tuple(ending for ending in READERS if ending not in TABLES)
 GROUPED = (".h5", ".hdf5", ".npz")  # in a folder, a file for each recording or class
+MOST_ROWS = 1_000_000  # of an array, whose file may state any number
+MOST_LOOKS = 100  # columns that are searched for names of pictures
 PICTURES = "pictures"  # the camera of pictures whose names tell none
 
 
@@ -113,7 +115,7 @@ def _require_pictures(found: Sequence[Column], files: Sequence[Path]) -> None:
     if found:
         return
     table = columns_of(files[0])
-    for name in table.names:
+    for name in table.names[:MOST_LOOKS]:
         with suppress(DataError):
             cells = np.ravel(np.asarray(table.get(name)))
             if cells.size and is_file_name(str(cells[0])):
@@ -219,6 +221,11 @@ def _of_one(
     problem = recording.problem or "".join(lacking[:1])
     rows = {half: pictures.rows for half, pictures in there.items() if pictures.rows}
     count = max(rows.values(), default=1)
+    if count > MOST_ROWS:
+        raise DataError(
+            f"'{show(file)}' states {count:,} pictures in one array, where {MOST_ROWS:,} are read;"
+            " divide it into several files."
+        )
     varying = any(len({*texts}) > 1 for texts in recording.texts.values())
     film = any(recording.place.counted) and bool(rows) and not varying
     if not film and len({*rows.values()}) > 1 and not problem:

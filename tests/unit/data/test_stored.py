@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
+from omnivat.data import named_columns
 from omnivat.data.images import from_array
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of
@@ -97,6 +98,38 @@ def test_pictures_are_told_from_vectors(tmp_path, capsys):
     assert "holds no pictures; of vectors, name their encoder with" in capsys.readouterr().err
     assert imported(tmp_path / "a.npz", tmp_path / "b.safetensors", "--encoder", "x") == 1
     assert "a.npz --out PAIRS`, without --encoder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["external", "virtual"])
+def test_values_of_hdf5_that_lie_in_other_files_are_refused(tmp_path, capsys, kind):
+    h5py = pytest.importorskip("h5py")
+    (tmp_path / "secret").write_bytes(bytes(COUNT * 48 * 48))
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        shape = (COUNT, 48, 48)
+        if kind == "external":
+            other = [(str(tmp_path / "secret"), 0, COUNT * 48 * 48)]
+            file.create_dataset("tactile", shape, np.uint8, external=other)
+        else:
+            layout = h5py.VirtualLayout(shape, np.uint8)
+            layout[:] = h5py.VirtualSource("missing.h5", "tactile", shape)
+            file.create_virtual_dataset("tactile", layout)
+    assert imported(tmp_path / "a.h5", tmp_path / "out") == 1
+    assert "the values of tactile lie in other files" in capsys.readouterr().err
+
+
+def test_an_array_that_states_a_billion_pictures_is_refused(tmp_path, capsys):
+    with pytest.importorskip("h5py").File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("tactile", (10**9, 48, 48), np.uint8, chunks=(1, 48, 48))
+    assert imported(tmp_path / "a.h5", tmp_path / "out") == 1
+    assert "states 1,000,000,000 pictures in one array" in capsys.readouterr().err
+
+
+def test_a_name_is_found_among_thousands_without_a_look_at_each(monkeypatch):
+    looks = []
+    monkeypatch.setattr(named_columns, "_plain", lambda name: looks.append(name) or name)
+    names = tuple(f"demo_{k}/array_{k}" for k in range(3000))
+    table = named_columns.Columns(place=None, names=names, read=None, pictures=None)
+    assert all(table.path(name) == name for name in names) and len(looks) <= 3 * len(names)
 
 
 @pytest.mark.parametrize("kind", ["of any length", "padded"])
