@@ -34,9 +34,9 @@ class Cell:
 
     def save(self, path: str | Path) -> Path:
         """Write the page as one HTML file; return its path."""
-        from omnivat.kit.files import write_text
+        from omnivat.kit.files import path_of, write_text
 
-        target = Path(path)
+        target = path_of(path)
         write_text(target, self.page)
         return target
 

@@ -28,6 +28,7 @@ from omnivat.data.pairs import TEXTS
 from omnivat.data.readers.files import TABLES, encodable
 from omnivat.data.store import ROW_NAMES
 from omnivat.kit.errors import DataError, printable
+from omnivat.kit.files import path_of
 from omnivat.kit.stages import IMAGES
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
@@ -76,7 +77,7 @@ def import_embeddings(
     >>> len(mine), mine.header.encoder, mine.header.classes
     (4, 'imported:mine', ('wood', 'steel'))
     """
-    place = Path(file)
+    place = path_of(file)
     table = columns_of(place)
     named = _named_by_words(table, columns or {})
     found = named_columns(table, named)

@@ -32,7 +32,7 @@ from omnivat.data.pairs import TEXTS
 from omnivat.data.relief import Lamps
 from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError, WriteError
-from omnivat.kit.files import replacing, write_csv
+from omnivat.kit.files import path_of, replacing, write_csv
 from omnivat.kit.schema import columns_in, json_in, name_list, object_in, texts
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import need, require_choice
@@ -181,7 +181,7 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
     >>> pairs.header.domains[0], pairs.header.classes[pairs.label[0]]
     ('TAG-sim', 'wood')
     """
-    file = Path(path)
+    file = path_of(path)
     if not file.is_file():
         if file.is_dir():
             raise DataError(f"'{file}' is a folder, {_WANTED.format(file)}")

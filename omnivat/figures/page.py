@@ -19,7 +19,7 @@ from omnivat.figures.specs import Spec, spec
 from omnivat.figures.still import picture, svg_of
 from omnivat.figures.theme import CONFIG, THEMES, template
 from omnivat.kit.errors import SettingsError
-from omnivat.kit.files import replacing, write_text
+from omnivat.kit.files import path_of, replacing, write_text
 
 ENDINGS = (".html", ".svg", ".png", ".json")
 # nothing of another host is loaded or sent; Plotly's WebGL traces compile functions
@@ -111,7 +111,7 @@ def write(path: str | Path, figure: Any) -> Path:
     ...     write(Path(folder) / "loss.svg", figure).read_text(encoding="utf-8")[:4]
     '<svg'
     """
-    target = require_ending(Path(path))
+    target = require_ending(path_of(path))
     ending = target.suffix.lower()
     if ending == ".html":
         write_text(target, html_page(str(figure.layout.title.text or "figure"), [figure]))

@@ -17,6 +17,7 @@ from omnivat.fractional.arguments import axis_from_end, checked_order, full_prec
 from omnivat.fractional.batches import product_rows
 from omnivat.fractional.build import split_for
 from omnivat.fractional.coefficients import Coefficients
+from omnivat.kit.config import is_count
 from omnivat.kit.errors import DataError, ShapeError
 from omnivat.kit.shapes import tensor_of
 
@@ -258,7 +259,7 @@ def basis(
     k = 0 … N-2 and N for even N, 0 … N-1 for odd N. The sign of each vector is arbitrary.
     The transform of order p is vectors · diag(exp(-iπp·indices/2)) · vectorsᵀ.
 
-    Raises ShapeError when the size is below 1 or the dtype is not float32 or float64.
+    Raises ShapeError if the size is no whole number from 1, or the dtype not float32 or float64.
 
     >>> vectors, indices = basis(8)
     >>> indices.tolist()
@@ -268,10 +269,10 @@ def basis(
     >>> torch.allclose((vectors * phases * (x @ vectors)).sum(-1), dfrft(x, 0.3))
     True
     """
-    if size < 1 or dtype not in (torch.float32, torch.float64):
+    if not is_count(size, 1) or dtype not in (torch.float32, torch.float64):
         raise ShapeError(
-            f"A basis of size {size} in {dtype} was requested, expected a size of 1 or more "
-            "in torch.float32 or torch.float64."
+            f"A basis of size {size!r:.40} in {dtype} was requested, expected a whole number "
+            "from 1 in torch.float32 or torch.float64."
         )
     identity = torch.eye(size, dtype=dtype, device=device)
     split = split_for(identity)

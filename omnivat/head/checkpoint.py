@@ -27,7 +27,14 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_from
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.files import hash_of, replacing, replacing_folder, require_writable, write_json
+from omnivat.kit.files import (
+    hash_of,
+    path_of,
+    replacing,
+    replacing_folder,
+    require_writable,
+    write_json,
+)
 from omnivat.kit.schema import read_object, texts
 
 FORMAT = "omnivat-head-1"
@@ -159,7 +166,7 @@ def save_head(folder: str | Path, head: Head) -> Path:
     ...     load_head(place).settings.classes
     ('wood', 'steel', 'plastic', 'ceramic', 'glass')
     """
-    target = Path(folder)
+    target = path_of(folder)
     require_head_folder(target)
     record = {
         "format": FORMAT,
@@ -189,7 +196,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     Raises DataError naming a file that is not part of a head, WriteError if the folder is not
     writable.
     """
-    target = Path(folder)
+    target = path_of(folder)
     if target.exists() and not target.is_dir():
         raise DataError(f"'{target}' is a file; name a folder for the head.")
     allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
@@ -216,7 +223,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     >>> head.source, head.settings.classes
     ('TAG-sim', ('wood', 'steel', 'plastic', 'ceramic', 'glass'))
     """
-    path = Path(folder)
+    path = path_of(folder)
     if not path.is_dir():
         raise DataError(
             f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`."

@@ -12,6 +12,7 @@ from omnivat.data.relief.files import touch_of
 from omnivat.encoders import load_encoder
 from omnivat.encoders.cache import embed_pair
 from omnivat.head.checkpoint import Head
+from omnivat.kit.files import path_of
 from omnivat.kit.shapes import floating
 from omnivat.kit.stages import IMAGES, optional_order
 
@@ -47,7 +48,7 @@ def predict_pair(
     )
     key = (encoder.name, encoder.weights_hash, encoder.preprocessing)
     head.require(key, encoder.width, what="Embeddings of these images")
-    photo, touch = (None if file is None else Path(file) for file in (vis, tac))
+    photo, touch = (None if file is None else path_of(file) for file in (vis, tac))
     embedded = embed_pair(encoder, photo, touch)
     rows = [
         None if vector is None else torch.from_numpy(vector[None].copy()) for vector in embedded

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import fields
 from functools import cache
 from math import inf
+from numbers import Integral
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from omnivat.kit.errors import SettingsError
@@ -40,6 +41,11 @@ class OneOf(NamedTuple):
 
     def __str__(self) -> str:
         return f"one of {', '.join(self.names)}"
+
+
+def is_count(value: Any, least: int = 0) -> bool:
+    """True for a whole number from `least` up; a truth value is none."""
+    return not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= least
 
 
 def declared(kind: type[Any]) -> dict[str, Within | OneOf]:

@@ -30,7 +30,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     A crash at any moment leaves either the old file or the new one.
     Raises WriteError with the file name if the folder, the disk or its permissions prevent it.
     """
-    target = Path(path)
+    target = path_of(path)
     require_writable(target)
     with writing(target), _beside(target) as folder:
         temporary = folder / "new"
@@ -173,15 +173,27 @@ def locked(handle: IO[Any]) -> bool | None:
     return True
 
 
+def path_of(given: Any) -> Path:
+    """Return a path that a caller gave; raises DataError for anything else."""
+    if isinstance(given, str | os.PathLike):
+        return Path(given)
+    raise DataError(
+        f"A path was given as {type(given).__name__}; give text, such as 'folder/file', or a"
+        " pathlib.Path."
+    )
+
+
 def require_writable(path: str | Path, suffix: str = "") -> None:
     """Check, before long work, that a file can be written.
 
     suffix  required ending of the name, if any
     Nothing is written to disk. Raises WriteError with the obstacle.
     """
-    target = Path(path)
+    target = path_of(path)
     if suffix and target.suffix.lower() != suffix:
         raise WriteError(f"'{target}' cannot be the file to write; name one that ends in {suffix}.")
+    if "\0" in str(target):
+        raise WriteError(f"'{target}' holds a zero byte, which no name may; choose another name.")
     if target.is_dir():
         raise WriteError(f"'{target}' is a folder; name a file to write.")
     if target.exists() and not target.is_file():
@@ -199,7 +211,7 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
 
 
 @contextmanager
-def _reading(name: str) -> Iterator[None]:
+def reading(name: str) -> Iterator[None]:
     """Turn a failed reading into a DataError with the name of the file and the reason."""
     try:
         yield
@@ -214,8 +226,9 @@ def require_regular(path: str | Path, name: str = "") -> None:
     """Raise DataError for a missing file, and for a pipe or device, whose reading might never
     end.
     """
+    path = path_of(path)
     name = name or str(path)
-    with _reading(name):
+    with reading(name):
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise DataError(f"'{name}' is a folder, pipe or device; name a file.")
 
@@ -226,10 +239,11 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
     name  its name in errors; None: the path
     Raises DataError for a missing file, a larger one, or a pipe or device.
     """
+    path = path_of(path)
     name = name or str(path)
     at_once = getattr(os, "O_NONBLOCK", 0)  # without waiting for the writer of a pipe
     with (
-        _reading(name),
+        reading(name),
         open(path, "rb", opener=lambda p, flags: os.open(p, flags | at_once)) as handle,
     ):
         found = os.fstat(handle.fileno())

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from omnivat.kit.config import is_count
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -44,13 +45,12 @@ NOTHING = Known("none", "nothing: pictures as they come")
 def pairs(count: int, *, every: bool = False) -> Known:
     """Return `count` training pairs of each target without labels; `every`: all that there are.
 
-    Raises DataError for a negative number.
+    Raises DataError for anything but a whole number from 0, as `labels` does.
 
     >>> pairs(5).words, pairs(1_000_000, every=True).words
     ('5 pairs without labels', 'all pairs without labels')
     """
-    if count < 0:
-        raise DataError(f"{count} pairs without labels cannot be known; choose 0 or more.")
+    _require_count(count, "pairs without labels")
     name, number = ("all", "all") if every else (f"n{count}", str(count))
     return Known(name, f"{number} pair{'s' * (count != 1)} without labels", pairs=count)
 
@@ -61,8 +61,14 @@ def labels(count: int) -> Known:
     >>> labels(3).words
     '3 labelled pairs of each class'
     """
+    _require_count(count, "labelled pairs of each class")
     words = f"{count} labelled pair{'s' * (count != 1)} of each class"
     return Known(f"k{count}", words, labels=count)
+
+
+def _require_count(count: Any, what: str) -> None:
+    if not is_count(count):
+        raise DataError(f"{count!r:.40} {what} cannot be known; choose a whole number from 0.")
 
 
 def sensors(count: int, *, profiles: bool = False) -> Known:

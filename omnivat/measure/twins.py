@@ -22,7 +22,7 @@ from omnivat.data.relief.files import RELIEF
 from omnivat.data.store import header_of
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError, first_line
-from omnivat.kit.files import replacing
+from omnivat.kit.files import path_of, replacing
 from omnivat.kit.schema import object_in
 
 FORMAT = "omnivat-twins-2"
@@ -149,7 +149,7 @@ def twins(path: str | Path | None = None) -> Twins:
     >>> presses.header.domains[:2], len(presses.objects)
     (('TAG-sim', 'OF Real-sim'), 300)
     """
-    file = Path(path) if path else EXAMPLES / "twins.npz"
+    file = EXAMPLES / "twins.npz" if path is None else path_of(path)
     try:
         return _checked(read_npz(file, MOST_BYTES))
     except (DataError, ValueError, LookupError, TypeError, AttributeError) as error:

@@ -13,6 +13,7 @@ from omnivat.data.naming import TACTILE, VIDEOS
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.files import path_of
 from omnivat.kit.tables import load, require_choice, suggestion
 
 ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
@@ -74,7 +75,7 @@ def read_pairs(
     >>> pair.domain, pair.material, pair.vis.suffix, pair.tac.suffix
     ('OF 2.0 A-sim', 'ceramic', '.jpg', '.jpg')
     """
-    path = Path(source)
+    path = path_of(source)
     if not os.path.exists(path):  # also for a name too long, or a looping link
         raise DataError(f"There is no folder or file at '{show(path)}'. Check the path.")
     name = recognised(path) if reader == "auto" else reader

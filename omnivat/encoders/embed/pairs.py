@@ -16,7 +16,7 @@ from omnivat.encoders.base import require_filled
 from omnivat.encoders.embed.job import Part, Parts, chunks_of, merge
 from omnivat.encoders.embed.relief import lamps_of_domains
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.files import require_writable
+from omnivat.kit.files import path_of, require_writable
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.tables import load
 
@@ -87,7 +87,7 @@ def embed_pairs(
     ...     load_embeddings(file).vis.shape == (report.embedded, 64)
     True
     """
-    out = Path(out)
+    out = path_of(out)
     _require_sound(pairs, out, workers, dtype, manifest)
     run = load(ENGINES, engine, kind="engine")
     load_here = partial(

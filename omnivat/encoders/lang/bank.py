@@ -13,7 +13,7 @@ from safetensors.numpy import save
 from omnivat.data.arrays import read_arrays
 from omnivat.data.embeddings import Header
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import replacing
+from omnivat.kit.files import path_of, replacing
 
 FORMAT = "omnivat-lang-1"
 Array = NDArray[np.float32]
@@ -106,7 +106,7 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
     Raises DataError with the file name if it is missing or of another kind.
     """
     try:
-        stored, metadata = read_arrays(Path(path))
+        stored, metadata = read_arrays(path_of(path))
         arrays = {name: array.astype(np.float32) for name, array in stored.items()}
         embeddings, plain = arrays["embeddings"], arrays.get("plain")
         classes, scale = tuple(json.loads(metadata["classes"])), metadata.get("logit_scale")

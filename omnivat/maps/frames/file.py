@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import replacing
+from omnivat.kit.files import path_of, reading, replacing
 from omnivat.maps.frames.records import FrameSet, MapFrames, require_fit
 
 MAGIC = b"OVFRAMES"
@@ -79,7 +79,7 @@ def read_frames(path: str | Path) -> FrameSet:
     >>> frames.domains[0], frames.classes[:2], len(frames.orders)
     ('TAG-sim', ('wood', 'steel'), 102)
     """
-    file = Path(path)
+    file = path_of(path)
     record, start = _header(file)
     content = file.read_bytes()
     try:
@@ -109,14 +109,14 @@ def read_frames(path: str | Path) -> FrameSet:
 
 def frames_header(path: str | Path) -> dict[str, Any]:
     """Return the JSON of a frames file without reading its arrays; raises as `read_frames` does."""
-    return _header(Path(path))[0]
+    return _header(path_of(path))[0]
 
 
 def _header(file: Path) -> tuple[dict[str, Any], int]:
     """Return the JSON, and the offset of the first array in bytes."""
     if not file.is_file():
         raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
-    with file.open("rb") as handle:
+    with reading(str(file)), file.open("rb") as handle:
         if handle.read(len(MAGIC)) != MAGIC:
             raise DataError(f"'{file}' is not a frames file: it does not start with OVFRAMES.")
         length = int.from_bytes(handle.read(4), "little")

@@ -14,6 +14,7 @@ from omnivat.data.foreign import import_embeddings
 from omnivat.data.materials import NO_CLASS
 from omnivat.data.store import is_embeddings, load_embeddings
 from omnivat.kit.errors import DataError
+from omnivat.kit.files import path_of
 from omnivat.measure.gaps.unit import unit
 
 READINGS = {"vis": "vis", "tac": "tac", "both": "fused"}  # of linear maps and heads, by view
@@ -77,7 +78,7 @@ def read_features(
     >>> mine.domains, mine.modalities, mine.labelled
     (['A', 'B'], ('tac',), False)
     """
-    file = Path(file)
+    file = path_of(file)
     if file.is_dir() or is_embeddings(file):
         data = load_embeddings(file)
     else:

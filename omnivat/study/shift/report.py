@@ -9,7 +9,7 @@ from typing import Any
 import torch
 
 from omnivat import figures
-from omnivat.kit.files import nothing_left, write_csv, write_text
+from omnivat.kit.files import nothing_left, path_of, write_csv, write_text
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.tables import load
 from omnivat.kit.threads import one_blas_thread, one_thread
@@ -53,14 +53,15 @@ def write_report(
     >>> [file.name for file in files if file.suffix != ".svg"]
     ['numbers.csv', 'methods.txt', 'report.html']
     """
+    out = path_of(out)
     records = numbers(features, on_step)
     on_step(Step(done=0, total=0, text="maps"))
     drawn, trusts = _maps(features, seed)
     drawn |= _charts(features, records)
     records += [*trusts, *more]
     words = methods(features, seed)
-    table, text, page = (Path(out, name) for name in ("numbers.csv", "methods.txt", "report.html"))
-    with nothing_left(Path(out)):
+    table, text, page = (out / name for name in ("numbers.csv", "methods.txt", "report.html"))
+    with nothing_left(out):
         write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
         write_text(text, words + "\n")
         files = [

@@ -52,7 +52,10 @@ def test_orders_that_do_not_fit_say_how_to_write_many():
         dfrft(X, torch.zeros(3))
 
 
-@pytest.mark.parametrize(("size", "dtype"), [(0, torch.float64), (8, torch.float16)])
+@pytest.mark.parametrize(
+    ("size", "dtype"),
+    [(0, torch.float64), (1.5, torch.float64), ("x", torch.float64), (8, torch.float16)],
+)
 def test_a_basis_that_cannot_be_is_refused(size, dtype):
-    with pytest.raises(ShapeError, match=f"size {size} in {dtype} was requested"):
+    with pytest.raises(ShapeError, match=f"size {size!r} in {dtype} was requested"):
         basis(size, dtype=dtype)

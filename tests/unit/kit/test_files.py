@@ -4,6 +4,7 @@ import csv
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from tempfile import gettempdir
 
@@ -11,6 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omnivat import (
+    import_embeddings,
+    load_embeddings,
+    load_head,
+    load_profile,
+    read_features,
+    read_frames,
+    read_pairs,
+    twins,
+)
 from omnivat.cli import main
 from omnivat.data.store import COLUMNS, write_manifest
 from omnivat.kit.errors import DataError, WriteError
@@ -37,6 +48,21 @@ def test_a_full_disk_removes_the_files_that_were_added_and_no_others(tmp_path):
                 raise OSError(28, "No space left on device")
     left = [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")]
     assert left == ["old", "old/mine.txt"]
+
+
+@pytest.mark.parametrize("odd", [None, 7, b"a", ["a"]])
+def test_what_is_no_path_is_refused_by_every_reader(odd):
+    readers = [read_frames, read_pairs, load_embeddings, load_head, load_profile, read_features]
+    others = [partial(import_embeddings, encoder="x"), *([] if odd is None else [twins])]
+    for read in (*readers, *others, partial(write_text, text="")):
+        with pytest.raises(DataError, match="A path was given as"):
+            read(odd)
+
+
+@pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="of Linux alone")
+def test_a_frames_file_that_the_system_does_not_read_ends_in_one_sentence():
+    with pytest.raises(DataError, match="/proc/self/mem' cannot be read .*check the path"):
+        read_frames("/proc/self/mem")
 
 
 @pytest.mark.parametrize(

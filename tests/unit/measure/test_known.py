@@ -84,9 +84,11 @@ def test_what_cannot_be_measured_is_none(head, shifted, make_embeddings):
     assert whole["domains"][0]["trained_on"] and at_home(whole)["accuracy"] is None
 
 
-def test_what_is_no_number_of_pairs_is_refused():
-    with pytest.raises(DataError, match="-1 pairs without labels cannot be known"):
-        pairs(-1)
+@pytest.mark.parametrize("odd", [-1, 1.5, "x", None])
+def test_what_is_no_number_of_pairs_is_refused(odd):
+    for known in (pairs, labels):
+        with pytest.raises(DataError, match=f"{odd!r} .* cannot be known; choose a whole number"):
+            known(odd)
 
 
 def test_seeds_draw_other_pairs(head, make_embeddings):
