@@ -53,7 +53,7 @@ def _ours(planar: bool, dtype: torch.dtype) -> Method:
 
 
 def _on_cuda() -> Method:
-    """Vectors that stay on the accelerator; a call ends when its work is done."""
+    """Return a call on vectors that stay on the accelerator; it ends when its work is done."""
 
     def finished(y: Tensor) -> Tensor:
         torch.cuda.synchronize()
@@ -116,7 +116,9 @@ def _torch_frft() -> dict[str, Method]:
 
 
 def _torch_frft2d() -> dict[str, Method]:
-    """The algorithm of torch-frft2d, which turns two axes, on one axis: its own parts, in order."""
+    """Return the algorithm of torch-frft2d, which turns two axes, on one axis, made of its own
+    parts in their order.
+    """
     parts = need("torch_frft2d._frft2d", purpose="the comparison with torch-frft2d")
 
     def transform(x: Tensor, order: float | Tensor) -> Tensor:
@@ -139,7 +141,7 @@ def _torch_frft2d() -> dict[str, Method]:
 
 
 def methods() -> dict[str, Method]:
-    """All installed methods, ours first."""
+    """Return all installed methods, ours first."""
     found = {
         "omnivat float32": _ours(False, torch.float32),
         "omnivat float32, planar": _ours(True, torch.float32),

@@ -27,7 +27,7 @@ class ReferenceBasis:
 
 
 def _polished(diagonal: Long, beside: Long) -> Long:
-    """Eigenvectors of a tridiagonal matrix, by decreasing eigenvalue, in 80 bits."""
+    """Return the eigenvectors of a tridiagonal matrix, by decreasing eigenvalue, in 80 bits."""
     size = len(diagonal)
     dense = np.diag(diagonal.astype(float))
     for i in range(size - 1):
@@ -50,7 +50,7 @@ def _polished(diagonal: Long, beside: Long) -> Long:
 
 @functools.lru_cache(maxsize=2)
 def reference_basis(size: int) -> ReferenceBasis:
-    """Eigenvectors for length N, even and odd."""
+    """Return the eigenvectors for length N, even and odd."""
     half, paired = size // 2 + 1, (size - 1) // 2
     root, one = np.sqrt(np.longdouble(2)), np.longdouble(1)
     pi = 2 * np.arcsin(one)
@@ -75,7 +75,7 @@ def reference_basis(size: int) -> ReferenceBasis:
 
 
 def _turned(indices: list[int], order: float) -> tuple[Long, Long]:
-    """cos and sin of -πpk/2, with k·p reduced modulo 4 in whole numbers."""
+    """Return cos and sin of -πpk/2, with k·p reduced modulo 4 in whole numbers."""
     pi = 2 * np.arcsin(np.longdouble(1))
     angles = []
     for k in indices:
@@ -88,7 +88,7 @@ def _turned(indices: list[int], order: float) -> tuple[Long, Long]:
 
 
 def reference_parts(x: NDArray[Any], order: float, power: int = 0) -> tuple[Long, Long]:
-    """Real and imaginary part of F_p x for real x (..., N), in 80 bits.
+    """Return the real and imaginary part of F_p x for real x (..., N), in 80 bits.
 
     power = 1 gives the derivative in the order instead.
     """
@@ -125,6 +125,6 @@ def reference_parts(x: NDArray[Any], order: float, power: int = 0) -> tuple[Long
 
 
 def reference(x: NDArray[Any], order: float, power: int = 0) -> NDArray[np.complex128]:
-    """The same rounded to complex128."""
+    """Return F_p x as `reference_parts` does, rounded to complex128."""
     real, imaginary = reference_parts(x, order, power)
     return real.astype(float) + 1j * imaginary.astype(float)

@@ -273,6 +273,7 @@ def published(name: str, embeddings: Embeddings, source: str, seed: int) -> Lear
 
 
 def source_of(embeddings: Embeddings, source: str, seed: int) -> Source:
+    """Return the training pairs of a domain as a method of the paper takes them."""
     pairs = embeddings.in_domain(source, split="train")
     raw = raw_of(pairs, np.arange(len(pairs)))
     return Source(

@@ -57,12 +57,12 @@ class Row:
 
 
 def as_complex(y: Tensor, planar: bool) -> Tensor:
-    """Planar or complex, as complex."""
+    """Return planar or complex values as complex ones."""
     return torch.complex(y[0], y[1]) if planar else y
 
 
 def error_of(method: Method, x: Tensor) -> float:
-    """The worst relative error over some orders."""
+    """Return the worst relative error over some orders."""
     if method.continuous:
         return distance(method, x.shape[-1], (0, 10))
     x = x[:CHECKED].to(method.dtype)
@@ -77,7 +77,7 @@ def error_of(method: Method, x: Tensor) -> float:
 
 
 def distance(method: Method, size: int, degrees: Sequence[int]) -> float:
-    """The largest distance to the continuous transform, on Hermite-Gauss functions of length 1.
+    """Return the largest distance to the continuous transform, on unit Hermite-Gauss functions.
 
     Order p multiplies the function of degree k by exp(-iπpk/2). Samples lie at (n - N//2)/√N.
     """
@@ -125,7 +125,7 @@ def several(transform: Transform, x: Tensor, *, ours: bool, orders: Callable[[],
 def calls_for(
     task: str, methods: dict[str, Method], x: Tensor, orders: Callable[[], float]
 ) -> dict[str, Callable[[], object]]:
-    """The calls for a task; methods without it are left out."""
+    """Return the calls for a task; methods without it are left out."""
     calls: dict[str, Callable[[], object]] = {}
     for name, method in methods.items():
         mine = x.to(method.device, method.dtype)
@@ -145,7 +145,7 @@ def calls_for(
 
 
 def measure(rows: int, size: int, count: int, rounds: int) -> list[Row]:
-    """All tasks and methods at one size with `count` threads."""
+    """Measure all tasks and methods at one size with `count` threads."""
     generator = np.random.default_rng(rows + size)
     x = torch.from_numpy(generator.normal(size=(rows, size)))
     draw = random.Random(size)

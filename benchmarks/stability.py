@@ -52,19 +52,19 @@ class Cell:
 
 
 def relative(computed: Tensor, exact: Tensor) -> float:
-    """|computed - exact| / |exact|, in float64."""
+    """Return |computed - exact| / |exact|, in float64."""
     wide = computed.to(torch.complex128)
     return float((wide - exact).norm() / exact.norm())
 
 
 def samples(size: int) -> Tensor:
-    """Two fixed vectors (2, N), float64, that float32 holds exactly."""
+    """Return two fixed vectors (2, N), float64, that float32 holds exactly."""
     generator = torch.Generator().manual_seed(size)
     return torch.randn(2, size, generator=generator).double()
 
 
 def against_reference(size: int, dtype: torch.dtype) -> list[Cell]:
-    """Every group of orders, at three scales, with autocast on for one."""
+    """Measure every group of orders, at three scales, with autocast on for one."""
     x, name = samples(size), str(dtype).removeprefix("torch.")
     cells = []
     for group, orders in ORDERS.items():
@@ -90,7 +90,7 @@ def against_reference(size: int, dtype: torch.dtype) -> list[Cell]:
 
 
 def laws(size: int, dtype: torch.dtype) -> list[Cell]:
-    """There and back, sums of orders, a long chain of small steps, and both gradients."""
+    """Measure there and back, sums of orders, a long chain of small steps, and both gradients."""
     x, name, bound = samples(size).to(dtype), str(dtype).removeprefix("torch."), UNITARITY[dtype]
     wide = x.to(torch.complex128)
     back = relative(dfrft(dfrft(x, 0.375), -0.375), wide)
@@ -108,7 +108,7 @@ def laws(size: int, dtype: torch.dtype) -> list[Cell]:
 
 
 def gradients(size: int, dtype: torch.dtype) -> Cell:
-    """Both gradients of a random linear loss at p = 0.3 and 1."""
+    """Measure both gradients of a random linear loss at p = 0.3 and 1."""
     x, worst = samples(size).to(dtype).requires_grad_(), 0.0
     weight = samples(size).flip(0).to(dtype)
     for order in (0.3, 1.0):

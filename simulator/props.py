@@ -24,6 +24,7 @@ def props(framing: Framing) -> dict[str, Any]:
 
 
 def _hand(framing: Framing, rng: Rng) -> dict[str, Any]:
+    """Return the shapes of a hand that holds the sensor at the pressed spot, by name."""
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)

@@ -58,6 +58,7 @@ def _pixels(image: Any) -> Array:
 
 
 def _camera(framing: Framing, size: int, samples: int) -> dict[str, Any]:
+    """Return Mitsuba's description of a camera for a framing."""
     view = (
         mitsuba()
         .ScalarTransform4f()
@@ -98,6 +99,7 @@ def denoised(radiance: Array, colour: Array, normal: Array) -> Array:
 
 
 def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: float) -> Array:
+    """Return the light (H, W, 3), averaged within edges of colour, normal and tone."""
     # Compare means of nine pixels: a single dark or bright path is not an edge.
     tone = np.log(uniform_filter(light.mean(-1), 3, mode="nearest") + 0.02)
     features = np.concatenate([colour / _COLOUR, normal / _NORMAL, tone[..., None] / spread], -1)

@@ -97,7 +97,7 @@ class Connection(h11_impl.H11Protocol):
         self._limit("write", IDLE_S + self.transport.get_write_buffer_size() / SLOWEST)
 
     def resume_writing(self) -> None:
-        """Everything was read."""
+        """Note that everything was read."""
         super().resume_writing()
         self._limit("write", 0)
 

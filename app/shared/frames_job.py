@@ -101,6 +101,9 @@ class FramesJob:
         return job.state in ENDED and monotonic() - job.since > RETRY_S
 
     def _compute(self, job: Job[None]) -> None:
+        """Find or build the frames' file, coarse maps first; finer files replace it as they are
+        done.
+        """
         from omnivat.maps.frames.builder import DEFAULT_MAPS
 
         where = self._of.where

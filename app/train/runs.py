@@ -133,6 +133,7 @@ class Trainings:
         return [run for run in runs if run and run.loaded]
 
     def _work(self, job: Job[None], run: Run, beside: str) -> None:
+        """Train the head of a run, measure it and load it beside the set."""
         from omnivat.maps.epochs import reporter
         from omnivat.measure.known import scored
         from omnivat.training import Watch, trained_head

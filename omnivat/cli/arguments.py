@@ -87,6 +87,7 @@ class _Lines:
         self.written = time.monotonic()
 
     def show(self, step: Step) -> None:
+        """Print the progress of a step, if a tenth is done or the last line is old."""
         now, left = time.monotonic(), self.pace.left(step)
         tenth = 10 * step.done // step.total if step.total else 0
         self.tenth = min(self.tenth, tenth)  # another stage of the same work begins again

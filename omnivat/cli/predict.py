@@ -176,6 +176,7 @@ def _pairs(
 
 
 def _readable(predicted: dict[str, Any], source: str) -> str:
+    """Return a prediction as lines of text."""
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
     lines = [

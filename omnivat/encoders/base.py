@@ -65,9 +65,7 @@ class PairEncoder:
 
 
 class DotsFilled(PairEncoder):
-    """An encoder whose tactile images lose their printed dots first: `vis` as it is, `tac` with
-    the fill.
-    """
+    """An encoder of photos as they are and of tactile images without their printed dots."""
 
     tac: "WithoutDots"
 
@@ -248,6 +246,7 @@ def require_filled(name: str, dots: str) -> None:
 def _load_one(
     name: str, weights: str | Path | None, weights_hash: str, settings: dict[str, Any]
 ) -> Encoder:
+    """Load one encoder; raises as `load_encoder` does."""
     from omnivat.encoders.hub import recall, remember
     from omnivat.encoders.wrapping import TorchEncoder, checked, takes_of
     from omnivat.kit.devices import device_from

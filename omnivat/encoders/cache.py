@@ -215,6 +215,7 @@ def _keys(
     calm: bytes,
     more: Sequence[bytes],
 ) -> list[str]:
+    """Return the key of each embedding: a hash of encoder, pictures, crop and mirroring."""
     if isinstance(source, Image.Image):
         upright = read_image(source)
         source = f"{upright.size}".encode() + upright.tobytes()

@@ -159,6 +159,7 @@ def _shards(file: Path) -> list[Path]:
 
 
 def _content(file: Path) -> Iterator[tuple[str, Tensor]]:
+    """Yield the tensors of a checkpoint by name, one at a time; each storage is read once."""
     if file.suffix == ".safetensors":
         yield from load_file(file).items()
         return

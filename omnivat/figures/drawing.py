@@ -62,6 +62,7 @@ def svg(picture: Picture) -> str:
 
 
 def _element(shape: Shape) -> str:
+    """Return a shape as an SVG element."""
     paint = f'fill="{shape.colour}"'
     if shape.opacity < 1:
         paint += f' opacity="{shape.opacity:g}"'
@@ -94,6 +95,7 @@ def png(picture: Picture) -> Any:
 
 
 def _paint(draw: Any, shape: Shape, factor: float) -> None:
+    """Paint a shape on an image of `factor` pixels for one unit."""
     fill = (*ImageColor.getrgb(shape.colour), round(255 * shape.opacity))
     points = [(x * factor, y * factor) for x, y in shape.points]
     size = shape.size * factor

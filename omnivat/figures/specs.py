@@ -66,7 +66,7 @@ def axis(title: str = "", ticks: Sequence[str] = (), **more: Any) -> dict[str, A
 
 
 def known(value: float | None) -> bool:
-    """Whether there is a finite value."""
+    """Return True if there is a finite value."""
     return value is not None and math.isfinite(value)
 
 

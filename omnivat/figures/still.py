@@ -85,6 +85,7 @@ def _plane(figure: Any, key: str, height: float) -> Plane:
 
 
 def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
+    """Yield ticks, grid and titles of both axes."""
     across, up = figure.layout[f"xaxis{key}"], figure.layout[f"yaxis{key}"]
     left, right, low, high = plane.box
     if across.visible is not False:
@@ -108,6 +109,7 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
 
 
 def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
+    """Return value and label of each tick: the axis's own, or about five round values."""
     if axis.tickvals is not None:
         words = map(unescape, axis.ticktext)
         return [(float(v), w) for v, w in zip(axis.tickvals, words, strict=True)]
@@ -123,6 +125,7 @@ def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
 
 
 def _scatter(trace: Any, plane: Plane) -> Iterator[Shape]:
+    """Yield area, lines, error bars and markers of a trace; lines break at missing values."""
     known = [
         (k, float(x), float(y))
         for k, (x, y) in enumerate(zip(trace.x, trace.y, strict=True))

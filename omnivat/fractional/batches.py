@@ -50,7 +50,7 @@ def _at_once(rows: Inexact[Tensor, "... N"]) -> int:
 def _planar_phases(
     order: Float64[Tensor, " g"], indices: Float64[Tensor, " N"], like: Tensor
 ) -> Float[Tensor, "2 g 1 N"]:
-    """Phases as planes, cast to the precision of the values."""
+    """Return phases as planes, cast to the precision of the values."""
     both = torch.view_as_real(phases(order[:, None], indices)).movedim(-1, 0)
     return both.to(like.dtype.to_real(), memory_format=torch.contiguous_format, copy=True)
 
@@ -92,7 +92,7 @@ def pieces(
 
 
 def planes(x: Inexact[Tensor, "*any"]) -> Float[Tensor, "#2 *any"]:
-    """Real and imaginary part, stacked; only the real part of real x."""
+    """Return the real and imaginary part, stacked; of real x, the real part alone."""
     return torch.stack([x.real, x.imag]) if x.is_complex() else x[None]
 
 
@@ -104,7 +104,7 @@ def _spread(rows: Tensor) -> bool:
 def product_rows(
     split: Split, x: Inexact[Tensor, "*lead N"], *, back: bool
 ) -> Inexact[Tensor, "*lead N"]:
-    """x V, or with `back` x Vᵀ."""
+    """Return x V, or with `back` x Vᵀ."""
     rows = x.reshape(-1, x.shape[-1])
     out = torch.empty_like(rows, memory_format=torch.contiguous_format)
     apply = split.restore if back else split.analyse
@@ -130,7 +130,7 @@ def synthesise_rows(
     *,
     planar: bool,
 ) -> Inexact[Tensor, "... N"]:
-    """(λ^p ⊙ values) Vᵀ: planar real (2, *lead, N), else complex (*lead, N)."""
+    """Return (λ^p ⊙ values) Vᵀ: planar real (2, *lead, N), else complex (*lead, N)."""
     size, kind = values.shape[-1], values.dtype
     shape = (*lead, size)
     whole, kind = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())

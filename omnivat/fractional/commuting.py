@@ -48,11 +48,11 @@ class Tridiagonal:
         return values
 
     def leading(self, size: int) -> Tridiagonal:
-        """The block of the first `size` < n rows and columns."""
+        """Return the block of the first `size` < n rows and columns."""
         return Tridiagonal(self.diagonal.part(slice(size)), self.root_first)
 
     def times(self, x: Float64[np.ndarray, "n m"]) -> Pair:
-        """This matrix times x, to about 32 digits."""
+        """Return this matrix times x, to about 32 digits."""
         y = exact_product(self.diagonal.high[:, None], x)
         low = y.low + self.diagonal.low[:, None] * x
         high = y.high
@@ -76,7 +76,7 @@ def _exchange(y: Pair, x: Array, row: int, other: int) -> None:
 
 
 def _taylor(square: Pair, first: int) -> Pair:
-    """1 - s/(f·(f+1)) · (1 - s/((f+2)·(f+3)) · …), s = x² ≤ (π/4)²: cos x for f = 1.
+    """Return 1 - s/(f·(f+1)) · (1 - s/((f+2)·(f+3)) · …), s = x² ≤ (π/4)²: cos x for f = 1.
 
     The first four terms are in double-double; float64 is enough for the rest.
     """

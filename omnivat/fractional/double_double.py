@@ -23,7 +23,7 @@ class Pair(NamedTuple):
     low: Array
 
     def part(self, index: slice) -> Pair:
-        """The same slice of both arrays."""
+        """Return the same slice of both arrays."""
         return Pair(self.high[index], self.low[index])
 
 
@@ -31,7 +31,7 @@ SQRT2 = Pair(np.array(1.4142135623730951), np.array(-9.667293313452913e-17))
 
 
 def exact_sum(a: Array, b: Array) -> Pair:
-    """a + b and its rounding error, exactly."""
+    """Return a + b and its rounding error, exactly."""
     total = a + b
     seen = total - a
     return Pair(total, (a - (total - seen)) + (b - seen))
@@ -45,7 +45,7 @@ def halves(a: Array) -> Pair:
 
 
 def exact_product(a: Array, b: Array) -> Pair:
-    """a * b and its rounding error, exactly; a and b broadcast."""
+    """Return a * b and its rounding error, exactly; a and b broadcast."""
     product = a * b
     a_high, a_low = halves(a)
     b_high, b_low = halves(b)
@@ -54,31 +54,31 @@ def exact_product(a: Array, b: Array) -> Pair:
 
 
 def add(a: Pair, b: Pair) -> Pair:
-    """a + b; the low parts are added in float64."""
+    """Return a + b; the low parts are added in float64."""
     total = exact_sum(a.high, b.high)
     return Pair(total.high, total.low + (a.low + b.low))
 
 
 def multiply(a: Pair, b: Pair) -> Pair:
-    """a * b; the product of the low parts is below 32 digits and is dropped."""
+    """Return a * b; the product of the low parts is below 32 digits and is dropped."""
     product = exact_product(a.high, b.high)
     return Pair(product.high, product.low + (a.high * b.low + a.low * b.high))
 
 
 def settle(a: Pair) -> Pair:
-    """The same value with `low` no larger than the last digit of `high`."""
+    """Return the same value with `low` no larger than the last digit of `high`."""
     return exact_sum(a.high, a.low)
 
 
 def divide_by(a: Pair, number: float) -> Pair:
-    """a / number for a number that float64 holds exactly."""
+    """Return a / number for a number that float64 holds exactly."""
     quotient = a.high / number
     back = exact_product(quotient, np.array(number))
     return Pair(quotient, ((a.high - back.high) - back.low + a.low) / number)
 
 
 def excess_norm(x: Float64[np.ndarray, "n m"]) -> Float64[np.ndarray, " m"]:
-    """|x| - 1 for every nearly normalised column of x, to about 32 digits."""
+    """Return |x| - 1 for every nearly normalised column of x, to about 32 digits."""
     total = x * x
     high, low = halves(x)
     error = ((high * high - total) + 2.0 * high * low + low * low).sum(0)

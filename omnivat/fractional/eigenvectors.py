@@ -85,7 +85,7 @@ class QuarterFactor(NamedTuple):
 
 
 def alternating(size: int) -> Float64[np.ndarray, " {size}"]:
-    """1, -1, 1, …"""
+    """Return 1, -1, 1, …"""
     return 1.0 - 2.0 * (np.arange(size) % 2)
 
 

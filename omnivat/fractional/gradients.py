@@ -23,7 +23,7 @@ from omnivat.fractional.splits import Split, kept_numbers
 def apply(
     x: Inexact[Tensor, "*lead N"], split: Split, *, back: bool = False
 ) -> Inexact[Tensor, "*lead N"]:
-    """x V on the last axis, or with `back` x Vᵀ."""
+    """Return x V on the last axis, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
         with kept_numbers():  # V as numbers: an exported program has plain products, with gradients
             eye = torch.eye(x.shape[-1], dtype=x.dtype.to_real(), device=split.indices.device)
@@ -42,7 +42,9 @@ def synthesise(
     split: Split,
     planar: bool,
 ) -> Inexact[Tensor, "... N"]:
-    """(λ^p ⊙ values) Vᵀ on the last axis; values and order broadcast to the leading axes `lead`."""
+    """Return (λ^p ⊙ values) Vᵀ on the last axis; values and order broadcast to the leading axes
+    `lead`.
+    """
     if torch.compiler.is_exporting() or under_transform(values, order):
         return _composed(values, order, split, planar)
     if not _wants_gradient(values, order):
@@ -51,7 +53,7 @@ def synthesise(
 
 
 def _composed(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
-    """The same as `synthesise`, of operations that can be differentiated any number of times."""
+    """Return what `synthesise` returns, by operations that can be differentiated repeatedly."""
     phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
     whole = apply(phases * values, split, back=True)
     return torch.stack([whole.real, whole.imag]) if planar else whole

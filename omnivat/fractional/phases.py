@@ -14,7 +14,7 @@ _GRID = 2.0**30  # k · (p rounded to this grid) is exact in float64 for k < 2**
 def phases(
     order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]
 ) -> Complex128[Tensor, "*own N"]:
-    """exp(-iπpk/2) of orders in quarter turns, on their device.
+    """Return exp(-iπpk/2) of orders in quarter turns, on their device.
 
     The nearest quarter turn is an exact factor, so whole orders give exactly ±1 and ±i.
     """

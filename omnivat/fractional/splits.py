@@ -51,6 +51,7 @@ class HalfSplit:
         self.even, self.odd, self.indices = even, odd, indices
 
     def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
+        """Write the coefficients of rows x, in the order of `indices`, to `out`."""
         size, half, paired = x.shape[-1], len(self.even), len(self.odd)
         mirrored = x[:, size - paired :].flip(-1)
         sums = x[:, :half].clone()
@@ -59,6 +60,7 @@ class HalfSplit:
         torch.mm(x[:, 1 : paired + 1] - mirrored, self.odd, out=out[:, half:])
 
     def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
+        """Write the samples of coefficients z to `out`."""
         size, half, paired = z.shape[-1], len(self.even), len(self.odd)
         even = z[..., :half] @ self.even.T
         odd = z[..., half:] @ self.odd.T
@@ -137,10 +139,12 @@ class QuarterSplit:
         return self._halves
 
     def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
+        """Write the coefficients of rows x, in the order of `indices`, to `out`."""
         halves = self._for_few_rows(len(x))
         (self._analyse if halves is None else halves.analyse)(x, out)
 
     def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
+        """Write the samples of coefficients z to `out`."""
         halves = self._for_few_rows(z.numel() // z.shape[-1])
         (self._restore if halves is None else halves.restore)(z, out)
 

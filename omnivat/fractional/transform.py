@@ -25,7 +25,7 @@ from omnivat.kit.shapes import tensor_of
 def coefficients(
     x: Shaped[Tensor, "..."] | Any, dim: int = -1, *, centered: bool = False
 ) -> Coefficients:
-    """The part of the transform that does not depend on the order: x in the eigenbasis.
+    """Return the part of the transform that does not depend on the order: x in the eigenbasis.
 
     x: a tensor or array of any shape, real or complex. float64 stays float64; half and integers use
     float32.

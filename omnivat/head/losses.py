@@ -19,7 +19,7 @@ def mma_loss(
     vis: Float[Tensor, "B D"] | None = None,
     tac: Float[Tensor, "B D"] | None = None,
 ) -> Float[Tensor, ""]:
-    """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
+    """Return MMA, multimodal alignment: KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
 
     A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >=
     0, mean over the batch; 0 if they agree. LANG is the reference, the first argument of the
@@ -37,7 +37,7 @@ EPS = 1e-12  # below this length a node has no direction
 
 
 def nod_loss(layers: Sequence[Float[Tensor, "B _ D"]]) -> Float[Tensor, ""]:
-    """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
+    """Return NOD, node diversity: the distance of each level's cosine matrix from the identity.
 
     layers  the levels r = 1..R, of 2^(r-1) nodes each; at least one
     return  >= 0: Frobenius norms summed over levels, mean over the batch

@@ -40,6 +40,7 @@ class PortableHead(nn.Module):
         self.model: Any = model
 
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> dict[str, Tensor]:
+        """Return the outputs by name (see the class) for embeddings (B, W) and orders (2, B)."""
         head, raw = self.model, {"vis": vis, "tac": tac}
         embedding = head.embedded(raw)  # (2, B, D)
         parts = transform(embedding, orders)  # (2, 2, B, D)

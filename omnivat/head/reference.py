@@ -137,7 +137,9 @@ class Reference(nn.Module):
         self.classifier = nn.Parameter(torch.randn(classes, width) / width**0.5)
 
     def embed(self, name: str, vector: Tensor) -> Tensor:
-        """Return E (B, D) of vectors (B, W), of a text (B, L): projected, length √D (both ours)."""
+        """Return E (B, D): vectors (B, W), or those of texts (B, L), projected and scaled to length
+        √D. Both steps are ours.
+        """
         layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
         return normalize(layers[name](vector), dim=-1).mul(self.classifier.shape[1] ** 0.5)
 

@@ -70,6 +70,7 @@ def _old(handle: IO[bytes]) -> Found:
 
 
 def _named(value: Any, name: str, depth: int) -> Iterator[tuple[str, list[Any]]]:
+    """Yield the tensors of a pickled value: its dotted name and [storage, offset, size, stride]."""
     called = value.name if isinstance(value, Inert) else ""
     if called.endswith(CALLED):
         yield from _named(value.arguments[0], name, depth)

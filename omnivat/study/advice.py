@@ -83,4 +83,5 @@ def conclusion(records: Sequence[Record], source: str) -> str:
 
 
 def percent(share: float) -> str:
+    """Return a share as text in whole percent."""
     return f"{100 * share:.0f} %"

@@ -53,7 +53,7 @@ class Momentum:
 
 
 def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
-    """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
+    """Return SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
     order, theta = [model.mffa.order], list(model.mffa.theta.values())
     apart = {id(parameter) for parameter in (*order, *theta)}
     rest = [p for p in model.parameters() if id(p) not in apart]
@@ -71,7 +71,7 @@ def parameters_of(optimiser: Momentum) -> list[Tensor]:
 
 
 def set_rate(optimiser: Momentum, settings: TrainSettings, epoch: float, step: float) -> None:
-    """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
+    """Set the rate: linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
     warm = min(settings.warmup_epochs, settings.epochs)
     if epoch < warm:
         share = (epoch + step) / warm

@@ -62,7 +62,9 @@ def basis(points: Tensor, dimensions: int = 2) -> Basis:
 
 
 def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
-    """Exact for any number of rows; BLOCK rows are centred at a time."""
+    """Return the axes from the covariance, exactly for any number of rows; BLOCK rows are centred
+    at a time.
+    """
     width = points.shape[1]
     products = torch.zeros(width, width, dtype=torch.float64)
     for rows in points.split(BLOCK):

@@ -220,7 +220,7 @@ def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) 
 
 
 def attraction(gap: Tensor) -> Tensor:
-    """Attraction of an edge on its tail; `gap` (2, ...) = tail - head."""
+    """Return the attraction of an edge on its tail; `gap` (2, ...) = tail - head."""
     squared = gap.square().sum(0).clamp_min(1e-12)
     power = squared.pow(B)
     strength = -2 * A * B * power / (squared * (1 + A * power))
@@ -228,7 +228,9 @@ def attraction(gap: Tensor) -> Tensor:
 
 
 def repulsion(gap: Tensor) -> Tensor:
-    """Repulsion of a sampled row; `gap` (2, ...) = this - sampled. A row repels itself by 0."""
+    """Return the repulsion of a sampled row; `gap` (2, ...) = this - sampled. A row repels itself
+    by 0.
+    """
     squared = gap.square().sum(0)
     strength = 2 * B / ((1e-3 + squared) * (1 + A * squared.pow(B)))
     return (gap * strength).clamp(-PUSH_LIMIT, PUSH_LIMIT)

@@ -147,6 +147,7 @@ def cosine(a: Array, b: Array) -> float:
 
 
 def _number(traits: Traits, name: str) -> float:
+    """Return a trait as the number on the card's scale; NaN where the gel does not show it."""
     tint = np.maximum(traits.tint, 1.0)
     values: dict[str, Any] = {
         "relief": lambda: np.log(traits.coarse),

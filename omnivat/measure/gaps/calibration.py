@@ -10,7 +10,8 @@ BINS = 15  # equal steps of confidence from 0 to 1; a border belongs to the lowe
 
 
 def ece(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Expected calibration error: mean over pairs of |accuracy - confidence| in the pair's bin.
+    """Return the expected calibration error: mean over pairs of |accuracy - confidence| in the
+    pair's bin.
 
     probabilities  rows that add up to 1; confidence is a row's largest entry
     return         in [0, 1]; NaN for no pairs
@@ -33,7 +34,7 @@ def ece(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float
 
 
 def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Mean negative log probability of the true class, in nats; NaN for no pairs.
+    """Return the mean negative log probability of the true class, in nats; NaN for no pairs.
 
     >>> import torch
     >>> nll(torch.tensor([[0.5, 0.5]]), torch.tensor([0]))
@@ -45,7 +46,7 @@ def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float
 
 
 def aurc(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Area under the risk-coverage curve, in [0, 1]; NaN for no pairs.
+    """Return the area under the risk-coverage curve, in [0, 1]; NaN for no pairs.
 
     The mean over n = 1 .. N of the error rate of the n most confident pairs. Confidence is a row's
     largest entry; pairs with equal confidence keep their order. Source: Geifman and El-Yaniv,

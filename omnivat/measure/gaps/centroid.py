@@ -7,7 +7,7 @@ from omnivat.kit.shapes import features, require_shapes, unit
 
 
 def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
-    """Distance between the mean directions of two sets, in [0, 2]; the sets need not be paired.
+    """Return the distance, 0 to 2, between the mean directions of two sets, paired or not.
 
     Rows are scaled to unit length first. A unitary map of both sets does not change the gap.
     Raises ShapeError for an empty set or differing widths.
@@ -23,7 +23,8 @@ def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tens
 
 
 def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[Tensor, ""]:
-    """Distance between the mean directions of two modalities of the same objects, in [0, 2].
+    """Return the distance, 0 to 2, between the mean directions of two modalities of the same
+    objects.
 
     Raises ShapeError if the two differ in shape.
     Source: Liang et al., "Mind the gap", NeurIPS 2022 (the distance of centroids).

@@ -22,7 +22,7 @@ def confusion(
 
 
 def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Share of correct predictions; NaN for no pairs."""
+    """Return the share of correct predictions; NaN for no pairs."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return (labels == predicted).to(torch.get_default_dtype()).mean()
 
@@ -59,7 +59,7 @@ def balance(counts: Any) -> Balance:
 def macro_f1(
     labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, union: bool = False
 ) -> Float[Tensor, ""]:
-    """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
+    """Return the mean over classes of F1 = 2 TP / (2 TP + FP + FN).
 
     union   False: over classes among the labels. True: over classes among labels or predictions, so
             predicting a class that the set lacks adds a zero (scikit-learn's default)

@@ -8,7 +8,7 @@ from omnivat.kit.shapes import features, unit
 
 
 def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
-    """Squared Fréchet distance |μa - μb|² + tr(Σa + Σb - 2 (Σa Σb)^½), on unit rows.
+    """Return the squared Fréchet distance |μa - μb|² + tr(Σa + Σb - 2 (Σa Σb)^½), on unit rows.
 
     Each set has 2 rows or more, of any length. 0 for equal sets. Covariances divide by N - 1. The
     trace of the root is the sum of the singular values of Ra Rbᵀ, where Ra is the triangular factor

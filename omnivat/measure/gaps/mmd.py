@@ -21,7 +21,7 @@ GROUPS, FEATURES, SAMPLE = 16, 64, 2048  # of random Fourier features, and of ro
 
 
 def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
-    """Squared MMD with the linear kernel, on unit rows: the square of `centroid_gap`.
+    """Return the squared MMD with the linear kernel, on unit rows: the square of `centroid_gap`.
 
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
@@ -35,7 +35,7 @@ def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor
 
 
 def mmd_rbf(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
-    """Squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
+    """Return the squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
 
     return  in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
@@ -108,7 +108,9 @@ def _waves(
 
 
 def _gamma(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], share: float) -> Float[Tensor, ""]:
-    """One over the mean squared distance of two unit rows of both sets; `share` of them is a's."""
+    """Return one over the mean squared distance of two unit rows of both sets; `share` of them is
+    a's.
+    """
     lengths = share * a.square().sum(1).mean() + (1 - share) * b.square().sum(1).mean()
     mean = share * a.mean(0) + (1 - share) * b.mean(0)
     distance = 2 * (lengths - mean.square().sum())
@@ -119,7 +121,9 @@ def _gamma(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], share: float) -> Fl
 def _mean_kernel(
     x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]
 ) -> Float[Tensor, ""]:
-    """Mean kernel of all rows of x with all rows of y; for one set, each pair of blocks once."""
+    """Return the mean kernel of all rows of x with all rows of y; for one set, each pair of blocks
+    once.
+    """
 
     def summed(rows: Tensor, others: Tensor) -> Tensor:
         lengths = rows.square().sum(1, keepdim=True) + others.square().sum(1)

@@ -57,14 +57,16 @@ class Sums:
                 self.squares[name] += values.square().sum().double()
 
     def centroid_gap(self, domain: int | None = None) -> Float64[Tensor, ""]:
-        """Distance between the mean directions of VIS and TAC, of all pairs or of one domain."""
+        """Return the distance between the mean directions of VIS and TAC, of all pairs or of one
+        domain.
+        """
         chosen = slice(None) if domain is None else self._domain == domain
         apart = (self.cells["vis"] - self.cells["tac"])[chosen].sum(0)
         gap: Tensor = (apart / self.sizes[chosen].sum()).norm()
         return gap
 
     def domain_gap(self, name: str) -> Float64[Tensor, ""]:
-        """Mean distance between the mean directions of two domains; NaN if there is one."""
+        """Return the mean distance between mean directions of two domains; NaN if there is one."""
         sums, sizes = self._groups(name, "domain")
         means = sums / sizes[:, None]
         first, second = torch.triu_indices(len(means), len(means), 1, device=means.device)
@@ -72,29 +74,35 @@ class Sums:
         return gaps.mean()
 
     def margin(self, name: str) -> Float64[Tensor, ""]:
-        """Mean cosine of pairs of the same class minus that of pairs of different classes."""
+        """Return the mean cosine of pairs of the same class minus that of pairs of different
+        classes.
+        """
         return _margin(self._within(name, "class"), self._within(name, "all"))
 
     def cross_domain_margin(self, name: str) -> Float64[Tensor, ""]:
-        """The same, for pairs of rows from different domains: does a class keep its direction
-        across sensors?
+        """Return the same, for pairs of rows from different domains: does a class keep its
+        direction across sensors?
         """
         same = _less(self._within(name, "class"), self._within(name, "cell"))
         return _margin(same, _less(self._within(name, "all"), self._within(name, "domain")))
 
     def cross_modal_margin(self) -> Float64[Tensor, ""]:
-        """The same, for pairs of a VIS row and a TAC row of different contacts."""
+        """Return the same, for pairs of a VIS row and a TAC row of different contacts."""
         own = self.own, self.sizes.sum()
         return _margin(_less(self._between("class"), own), _less(self._between("all"), own))
 
     def _within(self, name: str, kind: str) -> Cosines:
-        """Sum and number of the cosines of different rows of one group, of a kind in `_groups`."""
+        """Return the sum and number of the cosines of different rows of one group, of a kind in
+        `_groups`.
+        """
         sums, sizes = self._groups(name, kind)
         cosines = (sums.square().sum() - self.squares[name]) / 2
         return cosines, (sizes * (sizes - 1)).sum() / 2
 
     def _between(self, kind: str) -> Cosines:
-        """Sum and number of the cosines of every VIS row with every TAC row of its group."""
+        """Return the sum and number of the cosines of every VIS row with every TAC row of its
+        group.
+        """
         (vis, sizes), (tac, _) = self._groups("vis", kind), self._groups("tac", kind)
         return (vis * tac).sum(), sizes.square().sum()
 
@@ -124,7 +132,8 @@ def _margin(same: Cosines, total: Cosines) -> Float64[Tensor, ""]:
 
 
 def cosine_margin(features: Float[Tensor, "N D"], labels: Int[Tensor, " N"]) -> Float64[Tensor, ""]:
-    """Mean cosine of pairs of the same class minus that of pairs of different classes, in [-2, 2].
+    """Return the mean cosine of pairs of the same class minus that of pairs of different classes,
+    in [-2, 2].
 
     NaN if there is no pair of one kind. The paper's margin table samples pairs; here all are
     counted.

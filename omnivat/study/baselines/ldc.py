@@ -213,8 +213,8 @@ def fit_icd(source: Source) -> Fitted:
 
 def _fitted_icd(source: Source, choice: tuple[float, float]) -> Fitted:
     def loss(model: PooledDeConfusion, rows: Tensor) -> Tensor:
-        """Three cross-entropies and two distances to the base logits for each modality, each of
-        weight 1.
+        """Return the sum of three cross-entropies and two distances to the base logits for each
+        modality, each of weight 1.
         """
         labels, total = source.labels[rows], torch.zeros(())
         for name, images in zip(IMAGES, source.drawn(rows), strict=True):

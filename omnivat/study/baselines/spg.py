@@ -143,7 +143,9 @@ def _gan_step(
     others: Tensor,
     prompt: Tensor,
 ) -> None:
-    """The learned prompt beside `images` is real, generated ones beside `others` are not."""
+    """Train both networks: the learned prompt beside `images` is real, generated ones beside
+    `others` are not.
+    """
     made = generator(torch.randn(len(others), NOISE), others)
     real = judge(prompt.expand(len(images), *prompt.shape), images)
     fake = judge(made.detach(), others)

@@ -180,6 +180,7 @@ def _measured(
     seed: int,
     show: Callable[[str], None],
 ) -> dict[str, Resampled]:
+    """Return each finite column by its id: shares right, or R² and absolute error of a number."""
     how: dict[str, Any] = {"draws": draws, "seed": seed, "on_source": show}
     if values is None:
         made = rights(features, sources, **how)
@@ -198,15 +199,15 @@ def _measured(
     return {i: r for i, r in found.items() if np.isfinite(r.value)}
 
 
-def _title(id: str) -> str:
-    plain, _, kind = id.partition(":")
+def _title(column: str) -> str:
+    plain, _, kind = column.partition(":")
     title = next(c.title for c in COLUMNS if c.id == plain)
     return title + {"r2": ", R²", "mae": ", mean absolute error", "": ""}[kind]
 
 
-def _cells(of: Mapping[str, Resampled], id: str, enough: bool) -> dict[str, Record]:
+def _cells(of: Mapping[str, Resampled], column: str, enough: bool) -> dict[str, Record]:
     """Return a column: each value with its interval, the difference to the first, and the best."""
-    sign = -1 if id.endswith(":mae") else 1
+    sign = -1 if column.endswith(":mae") else 1
     first = next(iter(of.values()))
     lead = max(of, key=lambda name: sign * of[name].value)
     others = {(name, ""): resampled for name, resampled in of.items() if name != lead}

@@ -99,13 +99,13 @@ def _gap(interval: Record | None) -> str:
     return f"{interval['value']:.2f}{level}"
 
 
-def _cell(cell: Record | None, id: str, sign: str = "") -> str:
+def _cell(cell: Record | None, column: str, sign: str = "") -> str:
     """Return "71.3 [67.0, 75.1]", bold for the best; `sign` "+" for differences."""
     if cell is None:
         return "–"
 
     def number(value: float, sign: str = sign) -> str:
-        if id.endswith((":r2", ":mae")):
+        if column.endswith((":r2", ":mae")):
             return f"{value:{sign}.3g}"
         return f"{100 * value:{sign}.1f}"
 

@@ -113,6 +113,7 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
 
 
 def _notes(records: Sequence[Record]) -> str:
+    """Return the notes on methods and targets as Markdown; "" without any."""
     kinds: list[list[str]] = [[], [], [], [], []]  # one list for each kind of note
     for r in records:
         label, source = r["label"], r["source"]

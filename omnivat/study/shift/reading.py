@@ -42,11 +42,11 @@ class Features:
         return [*self.modalities, *["both"] * (len(self.modalities) > 1)]
 
     def rows(self, modality: str) -> Tensor:
-        """Unit rows (N, D) of a modality."""
+        """Return unit rows (N, D) of a modality."""
         return unit(torch.from_numpy(np.array(getattr(self.embeddings, modality), np.float32)))
 
     def members(self, domain: str) -> NDArray[np.int64]:
-        """Rows of a domain."""
+        """Return the rows of a domain."""
         return np.flatnonzero(
             self.embeddings.domain == self.embeddings.header.domains.index(domain)
         )

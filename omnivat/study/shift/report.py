@@ -121,6 +121,7 @@ def _among(records: Sequence[Record], **wanted: str) -> list[Record]:
 
 
 def _charts(features: Features, records: Sequence[Record]) -> Drawn:
+    """Return the charts of a shift report by name; one without records is left out."""
     drawn: Drawn = {}
     for measure in ("centroid", "proxy_a"):
         if (table := _gap_record(features, records, measure)) is not None:
