@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.shared.resources import Resources
 from app.shared.state import Question, one_of
+from omnivat.data.domains import titled
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def in_words(plan: "TrainingPlan", question: Question) -> str:
     ]
     order = ORDERS[question.get("order", "gradient")]
     lang = "LANG" if plan.training.lang else "no LANG"
-    return ", ".join([plan.source, f"D = {plan.settings.width}", order, *numbers, lang])
+    return ", ".join([titled(plan.source), f"D = {plan.settings.width}", order, *numbers, lang])
 
 
 def _number(name: str, value: Any) -> int | float:

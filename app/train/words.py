@@ -7,6 +7,7 @@ from typing import Any
 from app.shared.messages import readable
 from app.shared.tables import tables
 from app.train.runs import Run
+from omnivat.data.domains import titled
 
 MEASURED = {"accuracy/unseen": "accuracy, unseen", "modality_gap/f_hat": "modality gap"}
 MEASURED["domain_gap/f_hat"] = "domain gap"
@@ -65,9 +66,16 @@ def status(sentence: str, run: Run | None = None, *, problem: bool = False) -> s
 
 
 def _provenance(run: Run) -> str:
+    where = "its own test pairs."
+    if _newest(run, "accuracy/unseen") is not None:
+        where = (
+            "the test pairs of the unseen domains (their mean). The model was given nothing from"
+            " these domains."
+        )
     return (
-        f'<p class="provenance">By this run’s head (D&nbsp;=&nbsp;{run.plan.settings.width}), from'
-        f" {escape(run.plan.source)}; mean of the unseen domains, test pairs; known: nothing.</p>"
+        f'<p class="provenance">Measured with this run’s head (D&nbsp;=&nbsp;'
+        f"{run.plan.settings.width}), trained on {escape(titled(run.plan.source))} and tested on"
+        f" {where}</p>"
     )
 
 

@@ -86,7 +86,7 @@ def training_spec(
     }
     columns = max(1, min(columns, len(panels)))
     rows = max(1, -(-len(panels) // columns))
-    wide, high = 0.16 / columns, 0.34 / rows  # between panels
+    wide, high = 0.16 / columns, 0.38 / rows  # between panels
     width, tall = (1 - wide * (columns - 1)) / columns, (1 - high * (rows - 1)) / rows
     data: list[Spec] = []
     notes: list[Spec] = []
@@ -112,7 +112,8 @@ def training_spec(
         form = {"tickformat": ".0%" if share else "", "exponentformat": "none"}
         ends = [1, max(2, total or len(epochs))]
         across = axis(range=ends, domain=[left, left + width], anchor=f"y{key}", nticks=4)
-        axes[f"xaxis{key}"] = across | {"showgrid": False}
+        named = {"tickprefix": "epoch ", "showtickprefix": "first"}
+        axes[f"xaxis{key}"] = across | named | {"showgrid": False}
         up = axis(range=[0, most], domain=[low, low + tall], anchor=f"x{key}", nticks=4, **form)
         axes[f"yaxis{key}"] = up
         inside = {"xref": f"x{key} domain", "yref": f"y{key} domain"}
@@ -121,9 +122,10 @@ def training_spec(
             level = {"x0": 0, "x1": 1, "y0": 1 / classes, "y1": 1 / classes, "yref": f"y{key}"}
             lines.append(look | level)
         corner = {"x": 0, "y": 1, "xanchor": "left", "yanchor": "bottom", "align": "left"}
+        above = {"yshift": 5}  # the highest label of the axis, and of the one beside it
         words = f"<b>{words}</b><br>{'&nbsp; '.join(text)}"
-        notes.append({"text": words, "showarrow": False, **corner, **inside})
-    margin = {"l": 44, "r": 8, "t": 44, "b": 26}
+        notes.append({"text": words, "showarrow": False, **corner, **above, **inside})
+    margin = {"l": 44, "r": 8, "t": 50, "b": 26}
     return spec(
         data, title=title, height=44 + 196 * rows, showlegend=False, margin=margin, **axes,
         annotations=notes, shapes=lines,

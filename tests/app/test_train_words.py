@@ -53,3 +53,8 @@ def test_two_finished_runs_are_compared_and_one_is_not():
     assert "1.2 points below" in earlier(runs[::-1])
     assert "points" not in earlier(runs[1:]) and earlier([]) == ""
     assert "–" in earlier([run("done", 40)])  # of a set of one domain
+
+
+def test_a_run_states_which_pairs_its_figures_are_of():
+    assert "tested on its own test pairs" in status("", run("running", 3))
+    assert "of the unseen domains" in status("", run("running", 3, **{"accuracy/unseen": 0.5}))

@@ -32,7 +32,7 @@ def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(
         page.wait_for_selector(ANSWERED)
         for half in ("vis", "tac"):
             words = page.inner_text(f"{SLOT.format(half)} .what")
-            assert words.startswith("tree, Touch and Go · 60 × 40") and "Fengyu Yang" in words
+            assert words.startswith("tree, Touch and Go · 60\xa0×\xa040") and "Fengyu Yang" in words
         clicked = [page.inner_text(f".pair .{part}") for part in ("verdict", "familiar")]
         page.goto(server.address + "?view=pair")
         page.wait_for_selector(ANSWERED)

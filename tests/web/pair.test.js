@@ -172,7 +172,7 @@ test("a picture is called by its pair of the set, by its example or by its file"
   const sent = { "image:f00": { name: "a.png", width: 3, height: 2, credit: "" } };
   const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() }, sent };
   for (const [ref, text, truth = ""] of [
-    ["image:f00", "a.png · 3 × 2"],
+    ["image:f00", "a.png · 3\u00a0×\u00a02"],
     ["row:1", "pair 1 · steel · B", "steel"],
     ["row:2", "This set has no pair 2."],
     ["example:x/y", "wood · A", "wood"],

@@ -64,7 +64,7 @@ export class Lines extends View {
     const mark =
       learned >= 0 &&
       learned <= 1 &&
-      html`<path class="learned-at" d="M${scale.x(learned)} ${scale.base + 1}l-4 7h8z"/>`;
+      html`<path class="learned-at" d="M${scale.x(learned)} ${scale.top - 1}l-4 -7h8z"/>`;
     draw(
       this.box,
       scale.svg(

@@ -133,7 +133,7 @@ export function describe({ examples, sent, set: { frames } }, ref) {
   const image = sent[ref];
   return {
     text: image
-      ? dotted(image.name, image.width && `${image.width} × ${image.height}`, image.credit)
+      ? dotted(image.name, image.width && `${image.width}\u00a0×\u00a0${image.height}`, image.credit)
       : "A picture from an earlier visit",
   };
 }
