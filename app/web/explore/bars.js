@@ -3,7 +3,8 @@
 import { sum } from "../shared/numbers.js";
 import { html } from "./root.js";
 
-/** A scale with an interval and its mean; a line at chance. @param {Share | undefined} share @param {number} chance */
+/** Return a scale with an interval and its mean; a line at chance.
+ * @param {Share | undefined} share @param {number} chance */
 export const scaleOf = (share, chance) =>
   html`<span class="scale" style="--chance:${chance}">${
     share &&
@@ -11,8 +12,8 @@ export const scaleOf = (share, chance) =>
       <i class="mean" style="--share:${share.share}"></i>`
   }</span>`;
 
-/** What accuracy hides where one class is larger than others, of a confusion matrix: the share of the largest class,
- * the mean over classes of the share right, and whether the largest class has 1.5 times the mean size.
+/** Return what accuracy hides where one class is larger than others, of a confusion matrix: the share of the largest
+ * class, the mean over classes of the share right, and whether the largest class has 1.5 times the mean size.
  * @param {number[][]} counts */
 export function balance(counts) {
   const sizes = counts.map(sum);
@@ -23,11 +24,12 @@ export function balance(counts) {
   return { always, balanced, uneven: always * recalls.length >= 1.5 };
 }
 
-/** A scale with a bar from one share to another. @param {number[]} ends */
+/** Return a scale with a bar from one share to another. @param {number[]} ends */
 export const barOf = ([from, to], kind = "") =>
   html`<span class="scale" style="--from:${from};--to:${to}"><i class="bar ${kind}"></i></span>`;
 
-/** A row of bars. @param {string} name @param {Html} scale @param {Markup} figure
+/** Return a row of bars.
+ * @param {string} name @param {Html} scale @param {Markup} figure
  * @param {{kind?: string, title?: Markup, more?: Markup | false}} [about] */
 export const barRow = (name, scale, figure, { kind = "", title = "", more = "" } = {}) =>
   html`<div class="bar-row ${kind}" data-domain="${name}" title="${title}"><span class="who">

@@ -15,7 +15,8 @@ import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.
 import { $, change, fill, grouped, html, options, put, scene, send, state } from "./root.js";
 import { isDouble, painted } from "./scene.js";
 
-/** The accuracy of frames at a stop on the pairs of the first map, and whose it is; only where the head predicts.
+/** Return the accuracy of frames at a stop on the pairs of the first map, and whose it is; only where the head
+ * predicts.
  * @type {(frames: Frames, stage: string, stop: number) => false | null | Html} */
 export const right = (frames, stage, stop) => {
   const share = stage === OUTPUT && figure("accuracy", ACCURACY, values(frames, ACCURACY, stage), stop);
@@ -25,10 +26,10 @@ export const right = (frames, stage, stop) => {
 /** @type {Cloud} */
 let cloud;
 const stage = () => stageNamed(state.stage2).id;
-/** The frames are those that are chosen. */
+/** Check that the frames are those that are chosen. */
 const isReady = () => !state.head2 || scene.other?.name === state.head2;
 const framesOf = () => (state.head2 && isReady() && scene.other?.frames) || scene.frames;
-/** Its own p, or that of the first map until it has one. @param {Frames} frames */
+/** Return its own p, or that of the first map until it has one. @param {Frames} frames */
 const stopOf = (frames) => frames.stop(state.p2 ?? scene.frames.orders[scene.stop]);
 
 /** Make the map. @param {Pointing} on */
@@ -51,7 +52,7 @@ function build(on) {
 /** Move its own p. @param {number} p */
 export const moveTo = (p) => change({ p2: framesOf().orders[framesOf().stop(p)] });
 
-/** What predicts can be chosen from: the heads, and a method fitted on the source. */
+/** Offer what predicts: the heads, and a method fitted on the source. */
 async function offer() {
   const [first, ...more] = await heads().catch(() => [{ name: "", folder: "the head", problem: "unknown" }]);
   const others = more.filter(({ problem }) => !problem).map((head) => [head.name, headLabel(head)]);
@@ -94,7 +95,7 @@ export async function load() {
   );
 }
 
-/** Finer frames of what predicts are there. */
+/** Show finer frames of what predicts. */
 function loadFiner() {
   send("arrived", { other: null });
   load();
@@ -131,7 +132,7 @@ export function show() {
   if (counts && !$(".changed").hidden) put($(".changed"), changes(counts, frames, stop));
 }
 
-/** The predictions that differ, of the pairs that count.
+/** Return the predictions that differ, of the pairs that count.
  * @param {ArrayLike<number>} counts @param {Frames} frames @param {number} stop */
 function changes(counts, frames, stop) {
   const said = (/** @type {Frames} */ of, /** @type {number} */ at) => (/** @type {number} */ pair) =>
@@ -153,7 +154,7 @@ export function counted(pairs, left, right, truth) {
   return { all: pairs.length, corrected, broken, wrong: changed.length - corrected - broken };
 }
 
-/** The sentence below both maps. @param {ReturnType<typeof counted>} counts */
+/** Return the sentence below both maps. @param {ReturnType<typeof counted>} counts */
 export function sentence({ all, corrected, broken, wrong }) {
   if (!all)
     return html`There are no test pairs here: each pair was used for training or has a class that the head does not

@@ -68,7 +68,7 @@ export function build() {
   charts = { ride: curves.accuracy(), curves: curves.features() };
 }
 
-/** Facts about the set or its head have come. */
+/** Show facts about the set or its head that have come. */
 export function learned() {
   strangers.show();
   showColours();
@@ -78,7 +78,7 @@ export function learned() {
   showPictures();
 }
 
-/** A chapter opens: nothing is selected, the whole map is in view. @param {Frames} frames */
+/** Open a chapter: nothing is selected, the whole map is in view. @param {Frames} frames */
 export function start(frames) {
   send("started", frames);
   resetMaps();
@@ -101,7 +101,7 @@ export function resetMaps() {
 
 let waiting = 0; // the animation frame in which what has come is drawn
 
-/** A map's next stop has come, or values of the pairs. */
+/** Draw a map's next stop, or values of the pairs, that have come. */
 function arrived() {
   cancelAnimationFrame(waiting);
   waiting = requestAnimationFrame(() => {
@@ -148,7 +148,7 @@ export function showOrder() {
   announceSoon();
 }
 
-/** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
+/** Show the words and figures of a chapter; in the workbench, the accuracy and whose it is. */
 function showLesson() {
   const { frames, stop, facts } = scene;
   const lesson = LESSONS[state.chapter];
@@ -224,7 +224,7 @@ export function followCell() {
   select([...scene.cell.pairs].flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(maps.shown));
 }
 
-/** Another reading: no cell is chosen, and the map has the points and predictions of this one. */
+/** Show another reading: no cell is chosen, and the map has the points and predictions of this one. */
 export function showReading() {
   if (scene.cell) change({ cell: "", sel: "" });
   strangers.show();
@@ -234,7 +234,7 @@ export function showReading() {
 
 const showToy = () => panelIsOpen("toy") && toy.show(scene.frames.orders[scene.stop]);
 
-/** The card of the pair under the pointer, or of the pinned one. */
+/** Show the card of the pair under the pointer, or of the pinned one. */
 export function showCard() {
   const { sprite, hovered, stop, sample, facts } = scene;
   const frames = painted(scene, state);
@@ -290,13 +290,13 @@ export function showMeans() {
   paintMarks();
 }
 
-/** What is above the points. */
+/** Draw what is above the points. */
 export function paintMarks() {
   maps.map.paintMarks();
   beside.paintMarks();
 }
 
-/** The pictures of what is selected or found. */
+/** Show the pictures of what is selected or found. */
 function showPictures() {
   showGrid();
   labelCsv();

@@ -27,16 +27,16 @@ function decided(frames) {
   return { best: frames.orders[curve.indexOf(high)], low, high, range: high - low };
 }
 
-/** The order at which a chapter opens. @param {string} chapter @param {Frames} frames @param {Frames} own */
+/** Return the order at which a chapter opens. @param {string} chapter @param {Frames} frames @param {Frames} own */
 export function startOf(chapter, frames, own) {
   const clear = chapter === "order" && (decided(frames)?.range ?? 0) >= CLEAR;
   return frames.orders[frames.stop(clear ? AWAY : Number.isFinite(own.learned) ? own.learned : 0.5)];
 }
 
-/** The accuracy at one stop; NaN if it is not known. @param {Frames} frames @param {number} stop */
+/** Return the accuracy at one stop; NaN if it is not known. @param {Frames} frames @param {number} stop */
 export const rightAt = (frames, stop) => values(frames, ACCURACY, OUTPUT)?.[stop] ?? NaN;
 
-/** The same in one sentence on a screen. @param {Frames} frames @param {number} stop */
+/** Return the same in one sentence on a screen. @param {Frames} frames @param {number} stop */
 export function headOf(frames, stop) {
   const right = rightAt(frames, stop);
   return Number.isFinite(right)
@@ -44,7 +44,7 @@ export function headOf(frames, stop) {
     : html`<small>There is no accuracy for unseen domains: ${blind(frames)}</small>`;
 }
 
-/** Why there is no unseen accuracy. @param {Frames} frames */
+/** Return why there is no unseen accuracy. @param {Frames} frames */
 function blind(frames) {
   const { source, domains, labelled } = frames;
   if (labelled === false) return "the pairs have no classes.";
@@ -53,16 +53,16 @@ function blind(frames) {
   return strangers(frames) ? "it was not measured." : "the set has no domain besides the training domain.";
 }
 
-/** Where the accuracy at one stop comes from; null if it is not known.
+/** Return where the accuracy at one stop comes from; null if it is not known.
  * @param {Frames} frames @param {number} stop @param {Unseen | null} [unseen] */
 export const whence = (frames, stop, unseen) =>
   Number.isFinite(rightAt(frames, stop)) ? ofFrames(frames, stop, unseenPairs(frames, unseen)) : null;
 
-/** The same for the loaded head at its own p, over some pairs.
+/** Return the same for the loaded head at its own p, over some pairs.
  * @type {(own: Frames, pairs: string) => Html} */
 export const ofOwn = (own, pairs) => ofFrames(own, own.stop(own.learned), pairs);
 
-/** The three measures of features without a head, and what a head would need. @param {Scene} scene */
+/** Return the three measures of features without a head, and what a head would need. @param {Scene} scene */
 export function featuresHtml({ own, facts: { fit } }) {
   const gaps = TABLES.measures.map(({ id, title, help }) => {
     const value = values(own, id, INPUT)?.[0] ?? NaN;

@@ -11,7 +11,7 @@ import { loneDomain, whole } from "./scene.js";
 
 const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 54, right: 10, top: 8, bottom: 24 }; // explore.css sets the slider under a chart by these
-/** Charts in a box, as wide as it. Returns what draws them at the present stop.
+/** Draw charts in a box, as wide as it; return what draws them at the present stop.
  * @param {string} selector @param {() => number} high @param {(scale: Scale) => Html} make */
 function charts(selector, high, make) {
   const box = $(selector);
@@ -31,7 +31,7 @@ function charts(selector, high, make) {
   return show;
 }
 
-/** Accuracy against p, above the slider. */
+/** Return accuracy against p, above the slider. */
 export const accuracy = () =>
   charts(
     ".over",
@@ -44,7 +44,7 @@ export const accuracy = () =>
     (scale) => html`${TABLES.measures.filter((row) => can(row, "predictions")).map((row) => curve(row, scale))}`,
   );
 
-/** All measures of features against p. */
+/** Return all measures of features against p. */
 export const features = () =>
   charts(
     ".all",
@@ -52,10 +52,11 @@ export const features = () =>
     (scale) => html`${gapsOf(scene.frames).map((row) => curve(row, scale))}${DASHED}`,
   );
 
-/** The line at the present p. @param {Scale} scale */
+/** Return the line at the present p. @param {Scale} scale */
 const nowOf = (scale) => scale.now(scene.frames.orders[scene.stop]);
 
-/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box */
+/** Return one curve of a stage, or of a single domain if only one is shown.
+ * @param {Measure} measure @param {Scale} box */
 function curve(measure, box) {
   const { id: name, title, help } = measure;
   const { frames, stop } = scene;
@@ -94,7 +95,7 @@ function curve(measure, box) {
     class="of">${of}</small></span><output>${asText(name, value)}</output></figcaption>${drawn}</figure>`;
 }
 
-/** The values that may be drawn: in the chapter of the order those between which p was dragged.
+/** Return the values that may be drawn: in the chapter of the order those between which p was dragged.
  * @param {number[]} own */
 function visible(own) {
   if (state.chapter !== "order") return own;
@@ -102,7 +103,7 @@ function visible(own) {
   return own.map((v, i) => (i >= from && i <= to ? v : NaN));
 }
 
-/** The accuracy of another set, pale; in the chapter of the order once p was dragged over all stops.
+/** Return the accuracy of another set, pale; in the chapter of the order once p was dragged over all stops.
  * @param {Scale} scale */
 function pale(scale) {
   const other = state.chapter === "order" && scene.sets.find(({ name }) => scene.set && name !== scene.set)?.curve;
@@ -115,14 +116,14 @@ function pale(scale) {
     ${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "chance")}`;
 }
 
-/** The band of orders that the head was trained for. @param {Scale} scale */
+/** Return the band of orders that the head was trained for. @param {Scale} scale */
 function trained(scale) {
   const [low, high] = scene.frames.fits ?? [NaN, NaN];
   const [a, b] = scale.xs;
   return high >= a && low <= b ? scale.band("band", Math.max(a, low), Math.min(b, high)) : null;
 }
 
-/** A line through the values that exist. Stops of coarse frames are dots.
+/** Return a line through the values that exist. Stops of coarse frames are dots.
  * @param {number[]} own @param {Scale} scale */
 export function line(own, scale, frames = scene.frames) {
   const points = zip(frames.orders, own);
@@ -130,7 +131,7 @@ export function line(own, scale, frames = scene.frames) {
   return points.map(([p, v]) => `M${scale.x(p)} ${scale.y(v)}h.01`).join("");
 }
 
-/** A dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale */
+/** Return a dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale */
 const dots = (own, scale) =>
   zip(scene.frames.orders, own).map(
     ([p, v]) => Number.isFinite(v) && html`<circle cx="${scale.x(p)}" cy="${scale.y(v)}" r="2"/>`,

@@ -26,7 +26,7 @@ export async function start() {
   }, say);
 }
 
-/** The buttons of the project’s sets. @param {SetRow[]} sets */
+/** Show the buttons of the project’s sets. @param {SetRow[]} sets */
 function showSets(sets) {
   $(".sets").hidden = sets.length < 2;
   put(

@@ -9,7 +9,7 @@ import { html } from "./root.js";
 /** @typedef {import("../shared/cloud.js").Cloud} Cloud */
 /** @typedef {[name: string, colour: string][]} Legend */
 
-/** One line for each point: VIS and TAC of a pair are two lines.
+/** Return one line for each point: VIS and TAC of a pair are two lines.
  * @param {Frames} frames @param {number[]} points @param {Positions} frame @param {number} stop
  * @param {{stage: string, map: string}} about */
 export function csv(frames, points, frame, stop, { stage, map }) {
@@ -31,7 +31,8 @@ export function csv(frames, points, frame, stop, { stage, map }) {
 const LINE = 17; // CSS pixels between the lines under an exported map
 const rule = drawingOn(new OffscreenCanvas(1, 1));
 
-/** Positions of the legend's keys, in as many lines as the width requires. @param {Legend} legend
+/** Return positions of the legend's keys, in as many lines as the width requires.
+ * @param {Legend} legend
  * @param {number} width */
 function keys(legend, width) {
   rule.font = "12px sans-serif";
@@ -50,7 +51,8 @@ function keys(legend, width) {
   return { placed, height: (row + 2) * LINE + 8 };
 }
 
-/** The map as shown, with a caption. @param {Cloud} cloud @param {string} caption @param {Legend} legend
+/** Return the map as shown, with a caption.
+ * @param {Cloud} cloud @param {string} caption @param {Legend} legend
  * @returns {Promise<Blob>} */
 export function png(cloud, caption, legend) {
   const { placed, height } = keys(legend, cloud.width);
@@ -78,7 +80,7 @@ export function png(cloud, caption, legend) {
   return new Promise((resolve) => canvas.toBlob((blob) => resolve(/** @type {Blob} */ (blob)), "image/png"));
 }
 
-/** The map as vector shapes; `names` of its axes, if they mean anything.
+/** Return the map as vector shapes; `names` of its axes, if they mean anything.
  * @param {Cloud} cloud @param {string} caption @param {Legend} legend
  * @param {ReturnType<typeof import("../shared/marks.js").axisNames>} names */
 export function svg(cloud, caption, legend, names) {

@@ -11,8 +11,9 @@ const BINS = 20;
 const HIGH = 34;
 const AREA = { wide: BINS, high: HIGH, pad: { left: 0, right: 0, top: 0, bottom: 0 } };
 
-/** The numbers of values in BINS equal bins of a span; values outside it count in the outermost bins. `wanted` selects
- * by index. @param {ArrayLike<number>} all @param {Span} span @param {Wanted} wanted */
+/** Return the numbers of values in BINS equal bins of a span; values outside it count in the outermost bins. `wanted`
+ * selects by index.
+ * @param {ArrayLike<number>} all @param {Span} span @param {Wanted} wanted */
 export function histogram(all, [low, high], wanted = () => true) {
   const counts = new Array(BINS).fill(0);
   for (let i = 0; i < all.length; i++)
@@ -30,7 +31,7 @@ export function shifted(range, [low, high], by, upper) {
   return upper ? [from, Math.max(from, inside(to + step))] : [Math.min(to, inside(from + step)), to];
 }
 
-/** The range in the address once one histogram has another; one that keeps all is left out.
+/** Return the range in the address once one histogram has another; one that keeps all is left out.
  * @param {string} kept @param {string} name @param {Span} span @param {Span | null} range */
 export function ranged(kept, name, [low, high], range) {
   // as the address holds it: a link shows the same pairs
@@ -43,7 +44,7 @@ export function ranged(kept, name, [low, high], range) {
     .join("~");
 }
 
-/** The ends of a histogram. @param {ArrayLike<number>} all @returns {Span} */
+/** Return the ends of a histogram. @param {ArrayLike<number>} all @returns {Span} */
 function span(all) {
   const [low, high] = [Math.min, Math.max].map((end) => Array.from(all).reduce((a, b) => end(a, b)));
   return [Math.floor(20 * low) / 20, Math.ceil(20 * high) / 20];

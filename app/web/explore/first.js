@@ -45,7 +45,7 @@ export function adopt(name, place) {
   else move();
 }
 
-/** Both parts move to their places, not while a drag goes on, which would end. */
+/** Move both parts to their places, not while a drag goes on, which would end. */
 function move() {
   if (!shell.isConnected) return;
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);

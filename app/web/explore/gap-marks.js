@@ -9,7 +9,7 @@ import { SHAPES } from "../shared/points.js";
 import { OUTPUT } from "../shared/stages.js";
 import { scene, state } from "./root.js";
 
-/** A thick line from the mean of photos to that of touches, and thin ones from the source's mean to each domain's.
+/** Draw a thick line from the mean of photos to that of touches, and thin ones from the source's mean to each domain's.
  * @param {Wanted} shown @returns {Painter} */
 export const gapLines = (shown) => (context, cloud) => {
   const { frames } = scene;
@@ -39,7 +39,7 @@ export const gapLines = (shown) => (context, cloud) => {
   }
 };
 
-/** Where the chosen pair and its nodes are at a stop, in map units. @param {string} kind @param {number} stop */
+/** Return where the chosen pair and its nodes are at a stop, in map units. @param {string} kind @param {number} stop */
 function marksAt(kind, stop) {
   const { frames, chosen } = scene;
   const { journey, row } = chosen;
@@ -51,10 +51,11 @@ function marksAt(kind, stop) {
   return { places: { vis: placeIn(frame, row), tac: placeIn(frame, row + frames.pairs) }, nodes: [] };
 }
 
-/** The positions of a map with the chosen pair and its nodes. @param {Positions} frame @param {string} kind */
+/** Return the positions of a map with the chosen pair and its nodes. @param {Positions} frame @param {string} kind */
 export const withPair = (frame, kind) => withMarks(frame, marksAt(kind, scene.stop));
 
-/** The chosen pair and its tree, with its positions at the last stops. @param {(stage: string) => string} kindOf
+/** Draw the chosen pair and its tree, with its positions at the last stops.
+ * @param {(stage: string) => string} kindOf
  * @returns {Painter} */
 export const pairOnMap = (kindOf) => (context, cloud) => {
   const { chosen, trail, node } = scene;

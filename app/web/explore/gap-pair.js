@@ -5,7 +5,7 @@ import { OWN_MODE } from "../shared/tables.js";
 
 const HEAD = "head:";
 
-/** The first pair of an unseen domain that is predicted right at the learned p; else the first pair.
+/** Return the first pair of an unseen domain that is predicted right at the learned p; else the first pair.
  * @param {Frames} frames */
 export function firstPair(frames) {
   const { label, domain, domains, prediction, pairs, source, learned } = frames;
@@ -17,7 +17,8 @@ export function firstPair(frames) {
   );
 }
 
-/** The chosen pair: of the page's own set the one in the address, of another its pinned pair; or the one to open with.
+/** Return the chosen pair: of the page's own set the one in the address, of another its pinned pair; or the one to open
+ * with.
  * @param {Pick<Scene, "set" | "frames" | "opening">} scene @param {Pick<State, "vis" | "tac" | "pin">} address
  * @returns {Pair} */
 export function pairOf({ set, frames, opening }, { vis, tac, pin }) {
@@ -26,7 +27,7 @@ export function pairOf({ set, frames, opening }, { vis, tac, pin }) {
   return { vis: ref, tac: ref };
 }
 
-/** The row of the set that a pair is, also by the name of an example; -1 if it is none.
+/** Return the row of the set that a pair is, also by the name of an example; -1 if it is none.
  * @param {Pick<Scene, "frames" | "facts">} scene @param {Pair} pair */
 export function rowOf({ frames, facts }, { vis, tac }) {
   const [kind, name] = vis && vis === tac ? vis.split(/:(.*)/s) : [];
@@ -39,7 +40,7 @@ export function rowOf({ frames, facts }, { vis, tac }) {
   );
 }
 
-/** The head in the address: its set, "" being the page's own, and its mode of p or its name.
+/** Return the head in the address: its set, "" being the page's own, and its mode of p or its name.
  * @param {Pick<State, "by">} address @param {SetRow[]} sets
  * @returns {{set: string, mode: string, head: string}} */
 export function headIn({ by }, sets) {
@@ -52,7 +53,7 @@ export function headIn({ by }, sets) {
     : { set, mode: what || OWN_MODE, head: "" };
 }
 
-/** The same as a text for the address; "" for the page's own head.
+/** Return the same as a text for the address; "" for the page's own head.
  * @param {{set?: string, mode?: string, head?: string}} of */
 export function headText({ set = "", mode = OWN_MODE, head = "" }) {
   const what = head ? `${HEAD}${head}` : mode === OWN_MODE && !set ? "" : mode;

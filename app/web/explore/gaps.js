@@ -33,7 +33,7 @@ export const chosenHead = () => headIn(state, scene.sets);
 /** @type {WeakMap<Frames, Frames>} */
 const fewer = new WeakMap();
 
-/** Frames at the stops that their map of the output has by UMAP. @param {Frames} frames */
+/** Return frames at the stops that their map of the output has by UMAP. @param {Frames} frames */
 export function atStops(frames) {
   const known = fewer.get(frames);
   if (known) return known;
@@ -46,7 +46,7 @@ export function atStops(frames) {
   return made;
 }
 
-/** The frames of the head in the address at their stops; null if others are wanted by then.
+/** Return the frames of the head in the address at their stops; null if others are wanted by then.
  * @param {(sentence: string) => void} say */
 export async function framesOfHead(say) {
   const { mode, head } = chosenHead();
@@ -91,7 +91,7 @@ async function offer() {
 /** @param {string} mode */
 const titleOf = (mode) => TABLES.modes.find(({ id }) => id === mode)?.help ?? mode;
 
-/** The answer to the chapter's question. */
+/** Show the answer to the chapter's question. */
 export function tell() {
   const { frames, stop, facts } = scene;
   const outcome = verdictOn(frames.whole ?? frames);
@@ -114,10 +114,10 @@ export function show() {
   showPair();
 }
 
-/** One axis for both gaps at every step and stop. */
+/** Return one axis for both gaps at every step and stop. */
 const top = () => Math.max(...GAPS.map(({ id }) => axis(scene.frames.whole ?? scene.frames, id)[1]));
 
-/** Both gaps of the open step, each with its range over p. */
+/** Show both gaps of the open step, each with its range over p. */
 function showBars() {
   const { frames, stop } = scene;
   const [stage, most] = [state.stage, top()];
@@ -133,7 +133,7 @@ function showBars() {
   draw($(".gap-bars"), html`${rows}`);
 }
 
-/** The steps of the head as stairs of both gaps; each opens its map. */
+/** Show the steps of the head as stairs of both gaps; each opens its map. */
 function showSteps() {
   const { frames, stop } = scene;
   const most = top();
@@ -158,7 +158,7 @@ function showSteps() {
 /** @type {Map<Ref, string>} */
 const pictures = new Map(); // own picture -> its address in this browser
 
-/** A picture of the chosen pair. @param {(typeof IMAGES)[number]} image */
+/** Return a picture of the chosen pair. @param {(typeof IMAGES)[number]} image */
 function pictureOf({ name, title }) {
   const { frames, sprite, chosen } = scene;
   const { pair, row } = chosen;
@@ -183,10 +183,10 @@ async function keepPicture(ref, name) {
   showPair();
 }
 
-/** The stop of the chosen pair's journey at this p; -1 if it has none. */
+/** Return the stop of the chosen pair's journey at this p; -1 if it has none. */
 const stopNow = () => journeyStop(scene.chosen.journey, scene.frames.orders[scene.stop]);
 
-/** The chosen pair: its pictures, what is predicted at this p, and its tree. */
+/** Show the chosen pair: its pictures, what is predicted at this p, and its tree. */
 function showPair() {
   const { journey, note } = scene.chosen;
   const at = stopNow();
@@ -199,7 +199,7 @@ function showPair() {
   light();
 }
 
-/** What is known of the chosen pair and predicted at this p: class and domain, and the prediction.
+/** Return what is known of the chosen pair and predicted at this p: class and domain, and the prediction.
  * @param {number} at stop of the journey */
 function known(at) {
   const { frames, stop, chosen } = scene;
@@ -242,7 +242,7 @@ function saidHtml(at) {
 
 let asking = new AbortController(); // a handle: of the request that is on its way
 
-/** The chapter opens: the pair is the one that is most familiar to the head, unless another is chosen. */
+/** Open the chapter: the pair is the one that is most familiar to the head, unless another is chosen. */
 export async function open() {
   const { set, frames } = scene;
   showKeys();
@@ -258,7 +258,7 @@ export async function open() {
   follow();
 }
 
-/** Another pair or head is chosen, or more is known of the set: fetch the journey. */
+/** Fetch the journey once another pair or head is chosen, or more is known of the set. */
 export function follow() {
   const { set, frames, chosen: before } = scene;
   if (!frames || frames.headless) return;
@@ -293,7 +293,7 @@ async function travel({ key, pair }, signal) {
   );
 }
 
-/** The domains on the map by their colours; one that is pointed at stands out. */
+/** Show the domains on the map by their colours; one that is pointed at stands out. */
 function showKeys() {
   const { frames } = scene;
   const groups = colouring(frames, "domain").groups(frames);
@@ -341,7 +341,7 @@ export function listen(redraw) {
   });
 }
 
-/** The chosen pair and both gaps, for a screen reader. */
+/** Announce the chosen pair and both gaps to a screen reader. */
 export function announce() {
   const { frames, stop, chosen } = scene;
   const gaps = GAPS.map(

@@ -14,7 +14,7 @@ const SIDE = 44; // CSS pixels of a picture
 
 /** @typedef {{pairs: number[], points?: number, why?: string}} Listed */
 
-/** The pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
+/** Return the pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
  * @returns {Listed} */
 function listed() {
   const { frames, selected, mask, stop } = scene;
@@ -51,10 +51,10 @@ function heading({ points, why, pairs }) {
     ${judged && ofFrames(frames, stop, `these pairs, ${home} of them of its source`)}`;
 }
 
-/** A verdict with its mark. @param {boolean} right @param {string} said */
+/** Return a verdict with its mark. @param {boolean} right @param {string} said */
 export const marked = (right, said) => `${right ? "✓" : "✗"}\u00a0${said}`;
 
-/** A button of a pair. @param {number} pair */
+/** Return a button of a pair. @param {number} pair */
 function tile(pair) {
   const { frames, sprite, stop, facts } = scene;
   const { truth, domain, said, right } = verdict(painted(scene, state), pair, stop);

@@ -23,12 +23,12 @@ const TOOLS = 46; // CSS pixels that the tools of the workbench cover at the top
 
 /** @type {Cloud} */
 export let map;
-/** Whether a point is drawn. @type {Wanted} */
+/** Return whether a point is drawn. @type {Wanted} */
 export const shown = (point) => scene.mask[point] === 1;
 /** @type {Wanted} */
 const isLit = (point) => lit(scene, point);
 
-/** The lines of the pinned pair and of the pair under the pointer. @type {Painter} */
+/** Draw the lines of the pinned pair and of the pair under the pointer. @type {Painter} */
 export function pairLines(x, cloud) {
   const { pairs } = scene.frames;
   const pair = scene.hovered % pairs;
@@ -66,7 +66,7 @@ export function build(on) {
   ];
 }
 
-/** Another set or chapter: room for its points, the whole map in view. */
+/** Prepare for another set or chapter: make room for its points, with the whole map in view. */
 export function reset() {
   const over = getComputedStyle($(".tools")).position === "absolute"; // on a phone they stand above the map
   map.top = ["gaps", "analyse"].includes(state.chapter) && over && !isDouble(scene, state) ? TOOLS : 0;
@@ -74,13 +74,13 @@ export function reset() {
   map.resetView();
 }
 
-/** The method of a map: the chosen one if the step has it. @param {string} stage */
+/** Return the method of a map: the chosen one if the step has it. @param {string} stage */
 export function kindOf(stage, frames = scene.frames) {
   const kinds = frames.kinds(stage);
   return kinds.includes(state.map) ? state.map : kinds[0];
 }
 
-/** The choice between the kinds of map that the open step has. */
+/** Show the choice between the kinds of map that the open step has. */
 export const showKinds = () =>
   choice(
     ".kinds",
@@ -89,14 +89,14 @@ export const showKinds = () =>
     kindOf(state.stage),
   );
 
-/** The colourings that the frames have. */
+/** Show the colourings that the frames have. */
 export function showColourings() {
   const frames = painted(scene, state);
   const rows = colouringsOf(frames).map(({ id, title }) => [id, title]);
   put($(".colouring"), options(rows, colouring(frames, state.colour).id));
 }
 
-/** The points of frames at a stop, by colour. @param {Cloud} cloud */
+/** Show the points of frames at a stop, by colour. @param {Cloud} cloud */
 export const showLayers = (cloud = map, frames = scene.frames, stop = scene.stop) => {
   cloud.halves = [0, frames.pairs].map((from) => scene.mask.subarray(from, from + frames.pairs).includes(1));
   cloud.layers = layersOf(painted(scene, state, frames), stop, shown, isLit);
@@ -119,14 +119,15 @@ export function showNow() {
   put($('[data-panel="step"] .map-title'), title(kind));
 }
 
-/** A measure of frames at a stop, with its words; null if not measured.
+/** Return a measure of frames at a stop, with its words; null if not measured.
  * @type {(words: string, measure: string, values: number[] | null | undefined, stop: number) => Html | null} */
 export const figure = (words, measure, values, stop) =>
   Number.isFinite(values?.[stop])
     ? html`<span class="gap">${words} <b>${asText(measure, values?.[stop], 2)}</b></span>`
     : null;
 
-/** Figures of both gaps at a stop; of one domain, of its modality gap alone. @param {Frames} frames
+/** Return figures of both gaps at a stop; of one domain, of its modality gap alone.
+ * @param {Frames} frames
  * @param {string} stage
  * @param {number} stop */
 export function gaps(frames, stage, stop, domain = "") {
@@ -137,7 +138,7 @@ export function gaps(frames, stage, stop, domain = "") {
   });
 }
 
-/** The title of the map: its step, its method, and the gaps of the points shown. @param {string} kind */
+/** Return the title of the map: its step, its method, and the gaps of the points shown. @param {string} kind */
 function title(kind) {
   const { frames, stop } = scene;
   const domain = loneDomain(scene, state);
@@ -154,7 +155,7 @@ function title(kind) {
 /** @type {(frames: Frames) => string} */
 export const shapeWords = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
-/** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
+/** Return what to know about the map: how far its neighbours can be trusted, and which stop it shows.
  * @param {Frames} frames @param {NonNullable<ReturnType<Frames["positions"]>>} frame @param {number} stop
  * @param {string} kind */
 function notes(frames, { trust, stops, drawn }, stop, kind) {

@@ -15,7 +15,7 @@ const trainings = ({ seeds = [], width }) =>
 
 const SIGNALS = " Each pair consists of two recordings of one signal: “photo” is the first, “touch” the second.";
 
-/** An explanation of the chosen mode, and of a set of signals. @param {Frames} frames */
+/** Return an explanation of the chosen mode, and of a set of signals. @param {Frames} frames */
 export function modeWords(frames) {
   const { learned, meta, source } = frames;
   const more = trainings(meta.head ?? {});
@@ -30,7 +30,7 @@ export function modeWords(frames) {
   return html`${lead && html`<b>${lead}</b>`}${sentence}${frames.signals && SIGNALS}`;
 }
 
-/** The accuracy at the orders that the head was not trained for, in words; "" if not measured.
+/** Return the accuracy at the orders that the head was not trained for, in words; "" if not measured.
  * @param {Frames} frames */
 function elsewhere(frames) {
   const [low, high] = frames.fits ?? [NaN, NaN];
@@ -42,10 +42,10 @@ function elsewhere(frames) {
   return `Outside the band, its mean accuracy in unseen domains is ${percent(mean(own))} (chance: ${chance}). `;
 }
 
-/** The mode that is wanted: the one in the address, or the first of the set. */
+/** Return the mode that is wanted: the one in the address, or the first of the set. */
 const wantedMode = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
 
-/** The choice between the modes of a set. */
+/** Show the choice between the modes of a set. */
 function showModes() {
   const { modes, own } = scene;
   const options = modes.map((key) => {
@@ -57,7 +57,7 @@ function showModes() {
   choice(".modes", "mode", options, scene.mode);
 }
 
-/** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a
+/** Return the frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a
  * Refusal.
  * @param {(sentence: string) => void} say @returns {Promise<Frames | null>} */
 export async function framesOfMode(say, wanted = wantedMode()) {
@@ -74,5 +74,5 @@ export async function framesOfMode(say, wanted = wantedMode()) {
   }
 }
 
-/** Whether another mode is wanted than the one that is shown or on its way. */
+/** Return whether another mode is wanted than the one that is shown or on its way. */
 export const isOtherWanted = () => wantedMode() !== scene.wanted;

@@ -17,7 +17,7 @@ const [ROW, COLUMN, RADIUS, LEAST] = [126, 74, 24, 296]; // units of the drawing
 
 let asking = new AbortController(); // a handle: of the request that is on its way
 
-/** The pin or p has changed. */
+/** Draw the tree again once the pin or p has changed. */
 export function follow() {
   if (state.chapter !== "analyse" || !panelIsOpen("nodes")) return;
   asking.abort();
@@ -59,10 +59,10 @@ export function nodesHtml(tree, { votes, pairs }) {
       ${angles(tree)}`;
 }
 
-/** Which nodes are constant. @param {Votes | undefined} votes */
+/** Return which nodes are constant. @param {Votes | undefined} votes */
 export const constant = (votes) => (votes ?? []).map(({ share }) => share >= ALIKE);
 
-/** A sentence about the constant nodes of a tree. @param {Votes} [votes] */
+/** Return a sentence about the constant nodes of a tree. @param {Votes} [votes] */
 export function worth(votes, pairs = 0) {
   if (!votes) return html``;
   const fixed = votes.filter(({ share }) => share >= ALIKE);
@@ -75,7 +75,7 @@ export function worth(votes, pairs = 0) {
     least ${percent(ALIKE)} of the ${grouped(pairs)} pairs of the set.`;
 }
 
-/** How near the nodes of each layer are to right angles, which NOD pushes them to. @param {Tree} tree */
+/** Return how near the nodes of each layer are to right angles, which NOD pushes them to. @param {Tree} tree */
 function angles({ layers, arrangement }) {
   const shown = layers.filter(({ cosines }) => cosines.length > 1);
   if (arrangement === "interpolation" || !shown.length) return null;

@@ -36,7 +36,7 @@ export async function followMode() {
   if (frames) board.replace(frames);
 }
 
-/** The set of a chapter. Finer frames take the place of coarse ones later.
+/** Return the set of a chapter. Finer frames take the place of coarse ones later.
  * @type {(set: string, onWait: (step: Step | null) => void) => Promise<SetData>} */
 const dataOf = (set, onWait) =>
   once(`data ${set}`, async () => {

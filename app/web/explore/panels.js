@@ -33,7 +33,8 @@ export function rememberPanels(onOpen) {
   }
 }
 
-/** The address of the page on another set, without the state of the current one. @param {string} name
+/** Return the address of the page on another set, without the state of the current one.
+ * @param {string} name
  * @param {string} here */
 export function addressOf(name, here) {
   const address = new URL(here);

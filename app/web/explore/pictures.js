@@ -15,14 +15,14 @@ const AWAY = 18; // CSS pixels from the pointer
 /** Address -> image, once it has loaded. @type {Map<string, HTMLImageElement>} */
 const sheets = new Map();
 
-/** A sheet of pictures; null until it has loaded. @param {string} url @param {() => void} onLoad */
+/** Return a sheet of pictures; null until it has loaded. @param {string} url @param {() => void} onLoad */
 export function sheet(url, onLoad) {
   const image = sheets.get(url) ?? Object.assign(new Image(), { onload: onLoad, src: url });
   sheets.set(url, image);
   return image.complete && image.naturalWidth ? image : null;
 }
 
-/** Indices of the points in view; null if there are more than `most`.
+/** Return indices of the points in view; null if there are more than `most`.
  * @param {Pick<import("../shared/cloud.js").Cloud, "count" | "x" | "y" | "width" | "height">} cloud
  * @param {Wanted} shown */
 function inView({ count, x, y, width, height }, shown, most = MOST) {

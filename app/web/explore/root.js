@@ -18,7 +18,7 @@ export const send = (name, detail) => (scene = Object.freeze(after(scene, name, 
 /** The first part of Explore that fits a selector; Explore itself without one. @type {(selector?: string) => Found} */
 export const $ = (selector = "") => document.querySelector(`.ov.explore ${selector}`);
 
-/** All parts that fit a selector. @type {(selector: string) => Found[]} */
+/** Return all parts that fit a selector. @type {(selector: string) => Found[]} */
 export const all = (selector) => [...document.querySelectorAll(`.ov.explore ${selector}`)];
 
 /** Write the words and figures of a chapter. @param {Words} words */

@@ -59,7 +59,7 @@ export function labelCsv() {
   $('.menu [data-save="csv"]').textContent = `${what} as CSV`;
 }
 
-/** What a saved map states of itself. */
+/** Return what a saved map states of itself. */
 function caption() {
   const { frames, stop } = scene;
   const { simulated, origin } = frames.meta.embeddings;
@@ -97,7 +97,7 @@ export async function loadFile(input) {
   input.value = "";
 }
 
-/** The selected points, or those shown, as a table. @param {string} name */
+/** Save the selected points, or those shown, as a table. @param {string} name */
 function saveCsv(name) {
   const { frames, selected, stop } = scene;
   const { frame } = map;

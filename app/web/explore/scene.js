@@ -19,18 +19,19 @@ export const HISTOGRAMS = [
   { name: "cosine", title: "Photo–touch cosine", help: "cosine of the photo’s and the touch’s F̂, each seen alone" },
 ];
 
-/** Whether p was dragged over all stops of the frames. @type {(scene: Pick<Scene, "frames" | "dragged">) => boolean} */
+/** Return whether p was dragged over all stops of the frames.
+ * @type {(scene: Pick<Scene, "frames" | "dragged">) => boolean} */
 export function whole({ frames, dragged }) {
   const [from, to] = dragged.get(frames) ?? [];
   return from === 0 && to === frames.orders.length - 1;
 }
 
-/** The predictions of the last chapter's reading if that is one image alone; else null, for those of the frames.
+/** Return the predictions of the last chapter's reading if that is one image alone; else null, for those of the frames.
  * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">) => Numbers | null} */
 export const answers = ({ facts }, { chapter, reading }) =>
   (chapter === "fooled" && reading !== "fused" && facts.unseen?.pairs.answers[reading]) || null;
 
-/** Whether a point passes every filter; of a reading of one image alone, those of the other do not.
+/** Return whether a point passes every filter; of a reading of one image alone, those of the other do not.
  * @type {(scene: Scene, address: State) => Wanted} */
 export function wantedPoints(scene, address) {
   const { frames, facts, cell } = scene;
@@ -59,8 +60,8 @@ export function wantedPoints(scene, address) {
   };
 }
 
-/** The pairs of unseen domains that are scored, and those of them that look like another class; none before they are
- * known.
+/** Return the pairs of unseen domains that are scored, and those of them that look like another class; none before they
+ * are known.
  * @type {(scene: Pick<Scene, "frames" | "facts">) => Record<"strange" | "alike", number[]>} */
 export function strangePairs({ frames, facts: { unseen, pairs } }) {
   const source = frames.domains.indexOf(unseen?.source ?? "");
@@ -69,18 +70,19 @@ export function strangePairs({ frames, facts: { unseen, pairs } }) {
   return { strange, alike: strange.filter((pair) => pairs?.looks_like[pair]) };
 }
 
-/** Frames with what colours and cards read beside them: the columns of the pairs, and what one image alone predicts.
+/** Return frames with what colours and cards read beside them: the columns of the pairs, and what one image alone
+ * predicts.
  * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">, frames?: Frames) => Frames} */
 export const painted = (scene, address, frames = scene.frames) =>
   Object.assign(Object.create(frames), { columns: scene.facts.pairs ?? {}, answered: answers(scene, address) });
 
-/** The names that a filter leaves. @type {(kind: Filter, names: string[], address: State) => string[]} */
+/** Return the names that a filter leaves. @type {(kind: Filter, names: string[], address: State) => string[]} */
 function left(kind, names, address) {
   const hides = hidden(kind, address);
   return names.filter((name) => !hides.has(name));
 }
 
-/** The kept ranges of the histograms. @type {(address: Pick<State, "range">) => Record<string, Span>} */
+/** Return the kept ranges of the histograms. @type {(address: Pick<State, "range">) => Record<string, Span>} */
 export function rangesOf({ range }) {
   /** @type {Record<string, Span>} */
   const ranges = {};
@@ -92,14 +94,14 @@ export function rangesOf({ range }) {
   return ranges;
 }
 
-/** The only domain that the filters leave; "" if there are several.
+/** Return the only domain that the filters leave; "" if there are several.
  * @type {(scene: Pick<Scene, "frames">, address: State) => string} */
 export function loneDomain({ frames }, address) {
   const [domain, ...more] = left("domain", frames.domains, address);
   return domain && !more.length ? domain : "";
 }
 
-/** The active filters, in words; [] for none. @type {(scene: Scene, address: State) => string[]} */
+/** Return the active filters, in words; [] for none. @type {(scene: Scene, address: State) => string[]} */
 export function filtering({ frames, facts, cell }, address) {
   /** @type {(kind: Filter, names: string[], many: string) => string} */
   const listed = (kind, names, many) => {
@@ -122,7 +124,7 @@ export function filtering({ frames, facts, cell }, address) {
   ].flatMap((words) => words || []);
 }
 
-/** The next point that the filters leave. @type {(scene: Scene, by: number) => number} */
+/** Return the next point that the filters leave. @type {(scene: Scene, by: number) => number} */
 export function nextPoint({ mask, hovered }, by) {
   for (let i = 1; i <= mask.length; i++) {
     const point = (Math.max(hovered, -1) + by * i + 2 * mask.length) % mask.length;
@@ -131,20 +133,20 @@ export function nextPoint({ mask, hovered }, by) {
   return hovered;
 }
 
-/** The stage whose neighbours are known: of features, those of the loaded head alone.
+/** Return the stage whose neighbours are known: of features, those of the loaded head alone.
  * @type {(scene: Scene, address: State) => string} */
 export const nearStage = ({ frames }, { stage }) => (frames.foreign ? INPUT : featuresOf(stage));
 
-/** What neighbours belong to: set, pair, stage and p. @type {(scene: Scene, address: State) => string} */
+/** Return what neighbours belong to: set, pair, stage and p. @type {(scene: Scene, address: State) => string} */
 export const nearKey = (scene, address) =>
   `${scene.set} ${address.pin} ${nearStage(scene, address)} ${scene.frames.orders[scene.stop]}`;
 
-/** The neighbours of the pinned pair if they are of this step and p; [] if not.
+/** Return the neighbours of the pinned pair if they are of this step and p; [] if not.
  * @type {(scene: Scene, address: State) => Nearest["points"]} */
 export const near = (scene, address) =>
   scene.nearest && scene.nearest.key === nearKey(scene, address) ? scene.nearest.points : [];
 
-/** Whether a point is drawn in full colour. @type {(scene: Scene, point: number) => boolean} */
+/** Return whether a point is drawn in full colour. @type {(scene: Scene, point: number) => boolean} */
 export function lit({ frames, highlight, selected }, point) {
   if (!highlight) return !selected.size || selected.has(point);
   const pair = point % frames.pairs;
@@ -156,14 +158,16 @@ export function lit({ frames, highlight, selected }, point) {
   return names[highlight.kind] === highlight.name;
 }
 
-/** Whether the second map is open. @type {(scene: Scene, address: Pick<State, "beside" | "chapter">) => boolean} */
+/** Return whether the second map is open.
+ * @type {(scene: Scene, address: Pick<State, "beside" | "chapter">) => boolean} */
 export const isDouble = ({ frames }, { beside, chapter }) =>
   beside === "1" && chapter === "analyse" && !frames.headless;
 
 const MOST = 2000; // letters; a longer selection is left out of the address
 
-/** Selected points as a text for the address: runs of neighbours, each by its ends, or "~" and a bit for each point,
- * whichever is shorter. @param {Iterable<number>} points */
+/** Return selected points as a text for the address: runs of neighbours, each by its ends, or "~" and a bit for each
+ * point, whichever is shorter.
+ * @param {Iterable<number>} points */
 export function packed(points) {
   /** @type {Span[]} */
   const runs = [];
@@ -182,7 +186,7 @@ export function packed(points) {
   return text.length > MOST ? "" : text;
 }
 
-/** The points below `count` that a packed text lists; none for a text of another form.
+/** Return the points below `count` that a packed text lists; none for a text of another form.
  * @param {string} text @param {number} count */
 export function unpacked(text, count) {
   /** @type {number[]} */

@@ -20,7 +20,7 @@ const signed = (/** @type {number} */ points) => (points ? `${points > 0 ? "+" :
 const range = (/** @type {number} */ low, /** @type {number} */ high) =>
   `95 % interval: ${low.toFixed(0)} to ${high.toFixed(0)} points`;
 
-/** Bars of the accuracy in the training domain and in a new one, and between them those of each loss or gain.
+/** Return bars of the accuracy in the training domain and in a new one, and between them those of each loss or gain.
  * @param {Record<string, Interval>} loss
  * @returns {Bar[]} */
 export function barsOf(loss) {
@@ -51,7 +51,8 @@ export function barsOf(loss) {
 const list = (bars) =>
   html`${bars.map(({ name, ends, text, title, kind }) => barRow(name, barOf(ends, kind), text, { title }))}`;
 
-/** Bars that split the loss of one reading, with their provenance. `look`: 0 dots as printed, 1 filled, 2 by relief.
+/** Return bars that split the loss of one reading, with their provenance. `look`: 0 dots as printed, 1 filled, 2 by
+ * relief.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} look */
 export function splitHtml({ split, presses }, reading, look) {
   const what = `${reading === "touch" ? "presses" : "objects"}${["", " with filled dots", " by relief"][look]}`;
@@ -65,7 +66,8 @@ export function splitHtml({ split, presses }, reading, look) {
 /** The rungs with a bar of the page's own set. */
 export const OWN_ROWS = TABLES.rungs.filter(({ bar }) => bar);
 
-/** What the loaded head reads right on the page's own set, by what is known; a row that is not there yet is on its way.
+/** Return what the loaded head reads right on the page's own set, by what is known; a row that is not there yet is on
+ * its way.
  * @param {Scene["known"]} known */
 export function ownHtml(known) {
   const rows = OWN_ROWS.map(({ id, bar: name = "" }) => {

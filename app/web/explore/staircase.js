@@ -8,7 +8,7 @@ import { $, draw, html, options, scene, state } from "./root.js";
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure
 
-/** A letter, with its index below it. @param {string} short */
+/** Return a letter, with its index below it. @param {string} short */
 const symbol = (short) => html`${short.replace("_p", "")}${short.endsWith("_p") && html`<sub>p</sub>`}`;
 
 /** Draw the steps of the frames, and the stairs of the chosen measure at the present stop. */
@@ -50,7 +50,7 @@ export function showSteps() {
   $(".of-steps").value = chosen; // a visitor may have chosen one that these frames lack
 }
 
-/** Height of each step, from the top; a missing value keeps the previous height.
+/** Return height of each step, from the top; a missing value keeps the previous height.
  * @param {number[]} now @param {Span} span */
 export function levels(now, [low, high]) {
   let y = HIGH;
@@ -60,5 +60,5 @@ export function levels(now, [low, high]) {
   });
 }
 
-/** A line of treads, one unit wide each. @param {number[]} heights */
+/** Return a line of treads, one unit wide each. @param {number[]} heights */
 export const treads = (heights) => heights.map((y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`).join("");

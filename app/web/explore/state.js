@@ -92,7 +92,7 @@ function filtered(scene, _, address) {
   return { mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
 }
 
-/** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
+/** Return the cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
  * @param {Scene} scene @param {unknown} _ @param {State} address @returns {Partial<Scene>} */
 function cellFollowed({ frames, facts }, _, { cell, reading }) {
   const unseen = /** @type {Unseen} */ (facts.unseen);

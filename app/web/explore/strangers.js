@@ -18,8 +18,9 @@ const READINGS = [
 const SHOWN = 3; // look-alikes with both pictures, at most
 const ROOM = 165; // CSS pixels for one of them
 
-/** Look-alikes of unseen domains, one of each class; those that show the lesson come first: the photo misleads, the
- * touch does not. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
+/** Return look-alikes of unseen domains, one of each class; those that show the lesson come first: the photo misleads,
+ * the touch does not.
+ * @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
 export function lookAlikes({ frames, facts }) {
   const classOf = (/** @type {number} */ pair) => frames.label[pair];
   const shows = (/** @type {number} */ pair) => {
@@ -45,7 +46,7 @@ export function show() {
   showConfusion();
 }
 
-/** Both pictures of a few look-alikes, and what the head reads in each alone. @param {Unseen} unseen */
+/** Show both pictures of a few look-alikes, and what the head reads in each alone. @param {Unseen} unseen */
 function showLookers(unseen) {
   const { frames, sprite, facts } = scene;
   const names = facts.pairs;
@@ -74,7 +75,8 @@ function showLookers(unseen) {
   put(box, html`${buttons}`);
 }
 
-/** A bar for each reading: of the look-alikes, or of all unseen pairs where there are none. @param {Unseen} unseen */
+/** Show a bar for each reading: of the look-alikes, or of all unseen pairs where there are none.
+ * @param {Unseen} unseen */
 function showReadings({ look_alikes, unseen, chance }) {
   const buttons = READINGS.map(({ label, ...row }) => {
     const share = (look_alikes ?? unseen)[`answers/${row.key}`];
@@ -87,7 +89,7 @@ function showReadings({ look_alikes, unseen, chance }) {
   choice(".readings", "reading", buttons);
 }
 
-/** Every domain, by the chosen reading. @param {Unseen} facts */
+/** Return the bars of every domain, by the chosen reading. @param {Unseen} facts */
 function bars(facts) {
   const { domains, unseen, chance } = facts;
   /** @type {`answers/${Reading}`} */
@@ -117,7 +119,8 @@ function bars(facts) {
     ${ofOwn(scene.own, `its own test pairs and ${unseenPairs(scene.own, facts)}`)}`;
 }
 
-/** The balance of a domain's classes by the chosen reading, in words where they are uneven. @param {Unseen} facts
+/** Return the balance of a domain's classes by the chosen reading, in words where they are uneven.
+ * @param {Unseen} facts
  * @param {string} name */
 function unevenness({ confusion }, name) {
   const found = balance(confusion[state.reading][name]);
@@ -128,7 +131,7 @@ function unevenness({ confusion }, name) {
   return { ...found, words: uneven ? words : "" };
 }
 
-/** The confusion matrix of a domain by the chosen reading; the chosen cell is pressed. */
+/** Show the confusion matrix of a domain by the chosen reading; the chosen cell is pressed. */
 export function showConfusion() {
   const { cell, stranger } = scene;
   const facts = /** @type {Unseen} */ (scene.facts.unseen);

@@ -33,7 +33,7 @@ export function tagPairs(frames, pairs, tag) {
   keep(nameOf(frames), JSON.stringify([...tags]));
 }
 
-/** One line for each pair with a tag. @param {Frames} frames @param {string[]} [names] */
+/** Return one line for each pair with a tag. @param {Frames} frames @param {string[]} [names] */
 export const tagsCsv = (frames, names) =>
   csv([
     ["pair", "name", "class", "tag"],

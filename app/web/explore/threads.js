@@ -31,7 +31,7 @@ const BOUNDS = [
 export let cloud;
 /** Method -> positions of each place. @type {Record<string, Uint16Array[]>} */
 const places = {};
-/** Whether the page shows another set than the project's, whose bars then stand above those of the twins. */
+/** Return whether the page shows another set than the project's, whose bars then stand above those of the twins. */
 export const isOwn = () => scene.first === "analyse" && !held;
 
 export async function open() {
@@ -61,7 +61,7 @@ function build() {
   cloud.painters = [thread];
 }
 
-/** The number of the shown press, and its point by the sensor that the first chapter learned from. */
+/** Return the number of the shown press, and its point by the sensor that the first chapter learned from. */
 const pressShown = () => chosen(scene.twins, state).press;
 const pointOf = (/** @type {number} */ number) => {
   const { shown, domains } = scene.twins;
@@ -119,7 +119,7 @@ async function measure() {
   }
 }
 
-/** The place that is shown. */
+/** Return the place that is shown. */
 const placeNow = () => rungOf(state).map ?? 0;
 
 function showSensors() {

@@ -33,10 +33,10 @@ const WORDS = {
   },
 };
 
-/** The index that a text names in a list; 0 for any other text. @param {string} text @param {unknown[]} list */
+/** Return the index that a text names in a list; 0 for any other text. @param {string} text @param {unknown[]} list */
 const within = (text, list) => (Number(text) in list ? Number(text) : 0);
 
-/** The press that is shown: the one in the address, or that which is read best once its dots are filled.
+/** Return the press that is shown: the one in the address, or that which is read best once its dots are filled.
  * @param {Pick<Twins, "shown" | "domains" | "verdicts">} twins @param {Pick<State, "press">} address */
 export function pressOf({ shown, domains, verdicts }, { press }) {
   if (press !== "") return within(press, shown);
@@ -48,7 +48,8 @@ export function pressOf({ shown, domains, verdicts }, { press }) {
   return right.indexOf(Math.max(...right));
 }
 
-/** What the address chooses: indices into the tables of the twins. @param {Twins} twins @param {State} address */
+/** Return what the address chooses: indices into the tables of the twins.
+ * @param {Twins} twins @param {State} address */
 export function chosen(twins, address) {
   const { key, table } = READINGS.find(({ key }) => key === address.reading) ?? READINGS[0];
   return {
@@ -63,7 +64,7 @@ export function chosen(twins, address) {
 /** @typedef {ReturnType<typeof chosen>} Chosen */
 /** @typedef {ReturnType<typeof read>} Figures */
 
-/** The figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image.
+/** Return the figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image.
  * @param {Twins} twins @param {Chosen} at */
 function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, look, rung, press }) {
   const count = domains.length;
@@ -111,7 +112,8 @@ function showChoices(at) {
   $(".touch .dots").hidden = at.reading === "vis";
 }
 
-/** A tile of a sheet of pictures, as a style. @param {string} sheet @param {number} column @param {number} columns */
+/** Return a tile of a sheet of pictures, as a style.
+ * @param {string} sheet @param {number} column @param {number} columns */
 const background = (sheet, column, columns, row = 0, rows = 1) =>
   `background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (columns - 1 || 1)}% ` +
   `${(100 * row) / (rows - 1 || 1)}%/${100 * columns}% ${100 * rows}%`;
@@ -119,7 +121,7 @@ const background = (sheet, column, columns, row = 0, rows = 1) =>
 const beside = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
   `${interval(low, high)}; chance: ${percent(chance)}`;
 
-/** The object, what is read in its picture by each domain, and what the domain is that is pointed at.
+/** Return the object, what is read in its picture by each domain, and what the domain is that is pointed at.
  * @param {Chosen} at @param {Figures} figures @param {number} pointed */
 function pictures(at, { said, truth, shares, chance }, pointed) {
   const { domains, classes, shown } = scene.twins;
@@ -154,7 +156,7 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
     <p class="legend" aria-live="polite">${legend}</p>`;
 }
 
-/** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
+/** Show the share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
 function showFigures(at, { away: [share, low, high], shares, chance }) {
   const { domains, head, known, lamps, presses } = scene.twins;
   const { what, on, same, learned, tested } = WORDS[at.reading];

@@ -75,7 +75,7 @@ ${apart(toy, orders[i])}
   clouds show one coefficient of 40 photos ● and 40 touches ▲. The transform rotates them by p quarter turns.</p>`;
 }
 
-/** Real and imaginary part of one signal after an operation.
+/** Return real and imaginary part of one signal after an operation.
  * @param {number[]} re @param {number[]} im @param {string} colour @param {Act} act */
 function wave(re, im, colour, act) {
   const line = (/** @type {number[]} */ all) => WAVES.line(all.map((v, k) => [k / (all.length - 1), after(act, v)]));
@@ -83,7 +83,7 @@ function wave(re, im, colour, act) {
     class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
 }
 
-/** Two clouds in the plane, and the line between their means.
+/** Return two clouds in the plane, and the line between their means.
  * @param {Toy["clouds"]} clouds @param {number} i @param {Act} act */
 function plane(clouds, i, act) {
   const drawn = IMAGES.map(({ name, colour, shape }) => {
@@ -96,7 +96,7 @@ function plane(clouds, i, act) {
     <path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
 }
 
-/** Both distances against p, before and after the ReLU. @param {Toy} toy @param {number} p */
+/** Return both distances against p, before and after the ReLU. @param {Toy} toy @param {number} p */
 function apart({ orders, distances }, p) {
   const ends = [
     [0, 0],

@@ -18,7 +18,7 @@ import { chooseCell, chooseStranger, show as showStrangers } from "./strangers.j
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
-/** Whether the board's map is on the screen; the first chapter has none, the third another one. */
+/** Return whether the board's map is on the screen; the first chapter has none, the third another one. */
 const isMapped = () => !["touch", "where"].includes(state.chapter);
 const shownMap = () => (isMapped() ? map : threads.cloud);
 
@@ -79,7 +79,7 @@ const FIELDS = {
 /** @param {"alike" | "means" | "beside"} name */
 const toggle = (name) => change({ [name]: state[name] === "1" ? "" : "1" });
 
-/** Map, chart and control alone, or all again. */
+/** Show map, chart and control alone, or all again. */
 function lecture() {
   press($(".lecture"), document.body.classList.toggle("lecturing"));
 }

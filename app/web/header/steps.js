@@ -7,11 +7,11 @@ import { html, percent } from "../shared/text.js";
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const NEAR = 0.05; // quarter turns between an option and the best order
 const ORDERS = [0.1, 0.35, 0.6]; // the options of the best order
-/** How many bounds a value reaches. @param {number} value @param {...number} bounds */
+/** Return how many bounds a value reaches. @param {number} value @param {...number} bounds */
 const steps = (value, ...bounds) => bounds.filter((bound) => value >= bound).length;
-/** The most pictures without labels that were measured. @param {Figures} at */
+/** Return the most pictures without labels that were measured. @param {Figures} at */
 const most = ({ twins }) => Math.max(...twins.pictures);
-/** The second chapter at one of its places. @param {number} place @returns {Partial<State>} */
+/** Return the second chapter at one of its places. @param {number} place @returns {Partial<State>} */
 const placed = (place) => ({ rung: PLACES.find(({ map }) => map === place)?.id });
 /** What a step about one press opens with. @type {Partial<State>} */
 const PRESS = { press: "", from: "0", dots: "", known: "0", reading: "tac" };
@@ -27,19 +27,20 @@ const within = (curve) => html`between ${ends(known(curve)).map((end, i) => [i >
 /** @param {Figures} at */
 const best = ({ curve, orders }) => orders[(curve ?? []).indexOf(ends(known(curve))[1])];
 
-/** The share of the head that learned from the first sensor's touches, with its interval: away, by dots and pictures.
+/** Return the share of the head that learned from the first sensor's touches, with its interval: away, by dots and
+ * pictures.
  * @param {Figures} at */
 const away = ({ twins }, dots = 0, pictures = 0) =>
   twins.away.touch[0][dots][Math.max(0, [0, ...twins.pictures].indexOf(pictures))];
-/** Its share at home: of [source][look][pictures][target], all the first, the share beside its interval.
+/** Return its share at home: of [source][look][pictures][target], all the first, the share beside its interval.
  * @param {Figures} at */
 const home = ({ twins }) => {
   const [[[[[share]]]]] = twins.accuracy.touch;
   return share;
 };
-/** How much of the loss filled dots bring back, from 0 to 1. @param {Figures} at */
+/** Return how much of the loss filled dots bring back, from 0 to 1. @param {Figures} at */
 const mended = (at) => (away(at, 1)[0] - away(at)[0]) / (home(at) - away(at)[0]);
-/** What photo and touch alone read right of look-alikes, and whether that cannot tell them apart.
+/** Return what photo and touch alone read right of look-alikes, and whether that cannot tell them apart.
  * @param {Figures} at */
 function alone({ unseen: { look_alikes: alike } }) {
   if (!alike) return null;
@@ -169,7 +170,7 @@ export const STEPS = [
   },
 ];
 
-/** The title's answer in sentences of the page's own figures: what failed, what mended it, what p does.
+/** Return the title's answer in sentences of the page's own figures: what failed, what mended it, what p does.
  * @param {Figures} at */
 export const answer = (at) =>
   html`It learned its sensor together with the materials: on another sensor, accuracy is ${b(away(at)[0])} instead

@@ -42,7 +42,7 @@ function rest(explore, on) {
   for (const part of parts) part.inert = on;
 }
 
-/** What is said of a prediction; nothing if the data cannot decide.
+/** Return what is said of a prediction; nothing if the data cannot decide.
  * @param {TourStep} step @param {string} option @param {Figures} figures */
 function verdictOf({ right = () => [], options = [] }, option, figures) {
   const words = right(figures).map((i) => options[i]);

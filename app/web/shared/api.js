@@ -38,7 +38,7 @@ const NEWLINE = 10;
 const PAUSE = 2000; // milliseconds between two looks whether the server is back
 const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
 
-/** The address of a server path; a page without a server has files for some of them. @param {string} path */
+/** Return the address of a server path; a page without a server has files for some of them. @param {string} path */
 export function address(path) {
   if (held) return fileOf(held, path) ?? "";
   const url = new URL(path, base);
@@ -46,7 +46,7 @@ export function address(path) {
   return url.href;
 }
 
-/** A path of another set than the page's own; its type stays that of the path, which names the reply.
+/** Return a path of another set than the page's own; its type stays that of the path, which names the reply.
  * @template {string} Path @param {Path} path @param {string} set */
 export const inSet = (path, set) =>
   /** @type {Path} */ (set ? `${path}${path.includes("?") ? "&" : "?"}set=${set}` : path);
@@ -77,8 +77,8 @@ async function waited() {
   }
 }
 
-/** The body of a response. A large one tells its path and the share that has arrived; `begun` gets the first line of
- * one that is sent in lines of JSON, once it is there.
+/** Return the body of a response. A large one tells its path and the share that has arrived; `begun` gets the first
+ * line of one that is sent in lines of JSON, once it is there.
  * @param {Response} response @param {string} path @param {Sent["begun"]} begun */
 async function bodyOf(response, path, begun) {
   const total = Number(response.headers.get("Content-Length"));
@@ -143,7 +143,8 @@ export async function get(path, options) {
   return checked(request, new URL(path, base).searchParams.get("set") ?? own);
 }
 
-/** The response to a question or a file. @param {string} path @param {object | Blob} content
+/** Return the response to a question or a file.
+ * @param {string} path @param {object | Blob} content
  * @param {AbortSignal} [signal] @param {Sent["begun"]} [begun] */
 function post(path, content, signal, begun) {
   const file = content instanceof Blob && content;
@@ -168,12 +169,12 @@ const LAST = 60;
 /** What the server read in a picture, in its place from then on, by `keyOf`. @type {Map<string, string>} */
 const read = new Map(keptJson(READ, [], true));
 const GONE = "This browser no longer has this picture. Choose its file again.";
-/** A touch is read as it is mended, and by the lamps of a profile. @param {Ref} ref @param {string} mend
- * @param {string} lit */
+/** Return the key of what was read in a picture: a touch is read as it is mended, and by the lamps of a profile.
+ * @param {Ref} ref @param {string} mend @param {string} lit */
 const keyOf = (ref, mend, lit) => `${ref} ${mend} ${lit}`;
-/** True of a visitor's own picture. @param {unknown} ref @returns {ref is Ref} */
+/** Return true for a visitor's own picture. @param {unknown} ref @returns {ref is Ref} */
 export const isOwnPicture = (ref) => typeof ref === "string" && ref.startsWith("image:");
-/** The bytes that the next request sends of an image. @param {Ref | null | undefined} ref */
+/** Return the bytes that the next request sends of an image. @param {Ref | null | undefined} ref */
 export const unread = (ref) => (ref && !read.has(keyOf(ref, visit.mend, visit.lit)) && files.get(ref)?.[0].size) || 0;
 
 /** Take a picture of the visitor's; the next request about it sends it. @param {Blob} content @param {string} name */
@@ -183,9 +184,9 @@ export async function hold(content, name) {
   return ref;
 }
 
-/** Whether the server has lost what a request was about. @param {unknown} error */
+/** Return whether the server has lost what a request was about. @param {unknown} error */
 const isForgotten = (error) => error instanceof Refusal && error.status === 410;
-/** Whether a request was cancelled. @param {unknown} error */
+/** Return whether a request was cancelled. @param {unknown} error */
 const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
@@ -198,18 +199,19 @@ export const visit = { profile: "", head: "", mend: "", lit: "", renew: async ()
 // by that head
 const BY_HEAD = new Set("pair many attention occlusion familiar teach curve taught save/head".split(" "));
 
-/** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
+/** Return the images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
 const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
   [...lessons, { vis, tac }, ...pairs].flatMap((pair) => [pair.vis ?? [], pair.tac ?? []].flat());
 
-/** The head that reads the pictures of a question, or learns from its lessons: another one only if all are own.
+/** Return the head that reads the pictures of a question, or learns from its lessons: another one only if all are own.
  * @param {Pictured} question */
 export function readerOf({ lessons = [], ...question }) {
   const refs = imagesIn(lessons.length ? { lessons } : question);
   return refs.length && refs.every((ref) => isOwnPicture(ref)) ? visit.head : "";
 }
 
-/** A question with the visitor's profile, and with the head that reads it. @param {string} path
+/** Return a question with the visitor's profile, and with the head that reads it.
+ * @param {string} path
  * @param {Question} question */
 function whole(path, question) {
   const head = BY_HEAD.has(path) ? readerOf(question) : "";
@@ -217,8 +219,9 @@ function whole(path, question) {
   return { ...(profile && { profile }), ...(mend && { mend }), ...(head && { head }), ...question };
 }
 
-/** A question as it is sent, with what was read in the visitor's pictures; those that nobody has read yet come after
- * it, or all that are there (`anew`), with what is `attached`. @param {Question} question @param {Blob[]} attached */
+/** Return a question as it is sent, with what was read in the visitor's pictures; those that nobody has read yet come
+ * after it, or all that are there (`anew`), with what is `attached`.
+ * @param {Question} question @param {Blob[]} attached */
 function packed({ anew, ...question }, attached) {
   /** @type {Ref[]} */
   const fresh = [];
@@ -298,7 +301,7 @@ async function answered(path, question, signal, attached, begun) {
   }
 }
 
-/** The bytes of a referenced image; null if only the server has it.
+/** Return the bytes of a referenced image; null if only the server has it.
  * @param {Ref} ref @param {Modality} modality @returns {Promise<Blob | null>} */
 export async function bytesOf(ref, modality) {
   const sent = files.get(ref);
@@ -308,8 +311,9 @@ export async function bytesOf(ref, modality) {
   return awaited(get(`example/${path}/${modality}`).then((response) => response.blob()));
 }
 
-/** A file that the server makes of a question, whose own pictures are read first, and of what is `attached`. Throws a
- * Refusal. @param {string} path @param {Question} question @param {Blob[]} [attached] */
+/** Return a file that the server makes of a question, whose own pictures are read first, and of what is `attached`.
+ * Throws a Refusal.
+ * @param {string} path @param {Question} question @param {Blob[]} [attached] */
 export async function made(path, question, attached = []) {
   for (const ref of imagesIn(question)) if (unread(ref)) await ask("many", { pairs: [{ tac: ref }] });
   const { sent, blobs } = packed(whole(path, question), attached);

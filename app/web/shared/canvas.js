@@ -1,6 +1,6 @@
 /** What is drawn on a canvas. */
 
-/** The drawing context of a canvas.
+/** Return the drawing context of a canvas.
  * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {CanvasRenderingContext2DSettings} options
  * @returns {CanvasRenderingContext2D} */
 export function drawingOn(canvas, options = {}) {
@@ -35,7 +35,7 @@ export function stroked(context, trace, ...strokes) {
   }
 }
 
-/** The path of a line. @param {CanvasRenderingContext2D} context @param {Point} from @param {Point} to */
+/** Trace the path of a line. @param {CanvasRenderingContext2D} context @param {Point} from @param {Point} to */
 export function segment(context, from, to) {
   context.moveTo(...from);
   context.lineTo(...to);

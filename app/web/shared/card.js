@@ -5,7 +5,7 @@ import { saidOf } from "./palette.js";
 import { has, sensorOf } from "./tables.js";
 import { html, joined } from "./text.js";
 
-/** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i.
+/** Return a thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i.
  * @param {Sprite | null} sprite @param {number} tile @param {number} side @param {string} words */
 export function thumbnail(sprite, tile, side, words) {
   if (!sprite) return html`<span class="thumb none" role="img" aria-label="${words}">${words}</span>`;
@@ -23,7 +23,7 @@ export const thumbnailPair = ({ pairs }, sprite, pair, side) =>
       html`<figure>${thumbnail(sprite, pair + i * pairs, side, name)}<figcaption>${name}</figcaption></figure>`,
   )}</span>`;
 
-/** The prediction for a pair at one stop. @param {Frames} frames @param {number} pair @param {number} stop */
+/** Return the prediction for a pair at one stop. @param {Frames} frames @param {number} pair @param {number} stop */
 export function verdict(frames, pair, stop) {
   const said = saidOf(frames, pair, stop);
   return {
@@ -37,7 +37,8 @@ export function verdict(frames, pair, stop) {
   };
 }
 
-/** The pair in a sentence, for a screen reader. @param {Frames} frames @param {number} pair @param {number} stop
+/** Return the pair in a sentence, for a screen reader.
+ * @param {Frames} frames @param {number} pair @param {number} stop
  * @param {boolean} pinned */
 export function spoken(frames, pair, stop, pinned) {
   const { domain, truth, said, right } = verdict(frames, pair, stop);
@@ -45,15 +46,15 @@ export function spoken(frames, pair, stop, pinned) {
   return joined([`Pair ${pair}`, pinned && "pinned", frames.labelled && truth, sensorOf(domain), predicted]);
 }
 
-/** The class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */
+/** Return the class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */
 export function imitation(pairs, pair) {
   const [looks, feels] = [pairs?.looks_like[pair], pairs?.feels_like[pair]];
   if (looks) return `looks like ${looks}`;
   return feels ? `feels like ${feels}` : "";
 }
 
-/** The card of a pair; `pairs` has the names, once loaded. Without a pair, -1, the card shows the pair `sample`, if
- * any.
+/** Return the card of a pair; `pairs` has the names, once loaded. Without a pair, -1, the card shows the pair `sample`,
+ * if any.
  * @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} stop
  * @param {boolean} pinned
  * @param {PairNames | null} pairs */

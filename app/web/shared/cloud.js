@@ -258,7 +258,7 @@ export class Cloud {
   }
 }
 
-/** Points inside a polygon, by the even-odd rule.
+/** Return points inside a polygon, by the even-odd rule.
  * @param {Cloud} cloud @param {Point[]} polygon @param {(point: number) => boolean} wanted */
 export function inside(cloud, polygon, wanted) {
   const path = new Path2D();

@@ -1,15 +1,15 @@
 /** Tables as CSV, out and in. No DOM here. */
 
-/** A cell: quoted where needed, and never a formula; numbers stay numbers. @param {string | number} value */
+/** Return a cell: quoted where needed, and never a formula; numbers stay numbers. @param {string | number} value */
 export const cell = (value) => {
   const text = /^ *[=+\-@\t\r]/.test(String(value)) && !Number.isFinite(Number(value)) ? `'${value}` : String(value);
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };
 
-/** The rows of a table as text. @param {(string | number)[][]} rows */
+/** Return the rows of a table as text. @param {(string | number)[][]} rows */
 export const csv = (rows) => `${rows.map((row) => row.map(cell).join(",")).join("\n")}\n`;
 
-/** Cells of a CSV, row by row; quoted cells may hold commas, quotes and line ends. @param {string} text */
+/** Return cells of a CSV, row by row; quoted cells may hold commas, quotes and line ends. @param {string} text */
 export function cells(text) {
   const rows = [[""]];
   for (const [, quoted, bare, end] of text

@@ -25,7 +25,7 @@ const each = (all) =>
     Object.fromEntries(Object.entries(all).map(([name, one]) => [name, unpacked(/** @type {Packed} */ (one))]))
   );
 
-/** Accuracy in unseen domains; values of each pair as typed arrays. @returns {Promise<Unseen>} */
+/** Fetch the accuracy in unseen domains; values of each pair are typed arrays. @returns {Promise<Unseen>} */
 export const unseen = (set = "") =>
   once(`unseen ${set}`, async () => {
     const found = await json(inSet("unseen", set));
@@ -50,7 +50,7 @@ export const ladder = fact("ladder");
 export const choices = (set = "") =>
   once(`modes ${set}`, () => json(inSet("modes", set))).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false }));
 
-/** Frames of another mode than the head's; `own` are the head's frames, of the same pairs.
+/** Return frames of another mode than the head's; `own` are the head's frames, of the same pairs.
  * @param {string} mode @param {Frames} own */
 export const framesOf = (mode, own, set = "") =>
   once(`frames ${mode} ${set}`, async () => {

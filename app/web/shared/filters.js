@@ -14,7 +14,8 @@ const KINDS = [
 /** @type {Record<string, string>} */
 const SIGNS = { VIS: "●", TAC: "▲" };
 
-/** The names of groups beside their colours. @param {[name: string, colour: string][]} groups
+/** Return the names of groups beside their colours.
+ * @param {[name: string, colour: string][]} groups
  * @param {string} [source] */
 export const keys = (groups, source) =>
   html`${groups.map(
@@ -56,7 +57,7 @@ export function showFilters(box, frames, onPoint) {
   box.onpointerleave = () => onPoint(null);
 }
 
-/** A function from a point's index to whether it is shown.
+/** Return a function from a point's index to whether it is shown.
  * @param {Frames} frames @param {Pick<State, Filter>} address @returns {(point: number) => boolean} */
 export function shownBy(frames, address = state) {
   const [domains, classes, modalities] = KINDS.map(([kind, , names]) => {

@@ -268,11 +268,11 @@ export class Frames {
 }
 /** @typedef {Positions & {drawn: number, stops: number}} Placed */
 
-/** The index of the value nearest to one; the first of several. @param {number[]} values @param {number} to */
+/** Return the index of the value nearest to one; the first of several. @param {number[]} values @param {number} to */
 export const nearest = (values, to) =>
   values.reduce((best, v, i) => (Math.abs(v - to) < Math.abs(values[best] - to) ? i : best), 0);
 
-/** Boxes around the two halves of positions, over any number of stops.
+/** Return boxes around the two halves of positions, over any number of stops.
  * @param {Numbers} all @param {number} pairs */
 function boxes(all, pairs) {
   /** @type {Box[]} */
@@ -293,7 +293,7 @@ function boxes(all, pairs) {
 /** @typedef {Pick<Frames, "domains" | "domain" | "classes" | "label">} Pairs */
 /** The domain of a pair, by name. @param {Pairs} frames @param {number} pair */
 export const domainOf = ({ domains, domain }, pair) => domains[domain[pair]];
-/** The class of a pair, by name. @param {Pairs} frames @param {number} pair */
+/** Return the class of a pair, by name. @param {Pairs} frames @param {number} pair */
 export const classOf = ({ classes, label }, pair) => classes[label[pair]];
 
 /** p as text: two digits, or three if the stop lies between two hundredths. @param {number} p */
@@ -343,7 +343,7 @@ export async function whenFine(onWait, named = {}) {
   }
 }
 
-/** The sheet of thumbnails of a set that has them; null in a saved page without them.
+/** Return the sheet of thumbnails of a set that has them; null in a saved page without them.
  * @returns {Promise<Sprite | null>} */
 export const fetchThumbnails = (set = "") => awaited(sheet(set));
 

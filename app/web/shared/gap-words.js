@@ -8,9 +8,9 @@ import { html } from "./text.js";
 
 const STILL = 0.02; // a gap that ranges less is called constant
 
-/** One gap over p: its value in the embedding, the lowest and highest of the output with their orders, and the step at
- * which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to the
- * highest is at least that from the highest to the lowest, "p" if not, "" if no p brings it below the embedding.
+/** Return one gap over p: its value in the embedding, the lowest and highest of the output with their orders, and the
+ * step at which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to
+ * the highest is at least that from the highest to the lowest, "p" if not, "" if no p brings it below the embedding.
  * @param {Frames} frames @param {Measure} measure */
 function gapOver(frames, { id, title }) {
   const all = (/** @type {string} */ stage) => (values(frames, id, stage) ?? []).filter(Number.isFinite);
@@ -47,7 +47,7 @@ function rangeOf({ title, raw, low, high, lowAt, highAt, by }, i) {
     ${two(high)}</b> ${at(highAt)} ${before}`;
 }
 
-/** Whether p, or else the steps of the head, close its gaps: a short answer, and a sentence with the figures.
+/** Return whether p, or else the steps of the head, close its gaps: a short answer, and a sentence with the figures.
  * @param {Frames} frames the frames of all stops */
 export function verdictOn(frames) {
   const gaps = GAPS.map((row) => gapOver(frames, row)).filter(({ raw, low }) => Number.isFinite(raw + low));

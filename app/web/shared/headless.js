@@ -3,7 +3,7 @@
 import { fit } from "./facts.js";
 import { html, put } from "./text.js";
 
-/** The remedy: a sentence, and the command. @param {Fit} fit */
+/** Return the remedy: a sentence, and the command. @param {Fit} fit */
 export const remedyHtml = ({ remedy, command }) => html`<p>${remedy}</p><pre tabindex="0">${command}</pre>`;
 
 /** If no head fits the set, say so in place of a tab that needs one. Returns whether it does. @param {Found} root */

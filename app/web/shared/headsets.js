@@ -8,21 +8,21 @@ const METHOD = "method:";
 /** @type {Map<string, Frames>} */
 const finest = new Map(); // head -> its finer frames, once they are there
 
-/** The server's heads, the first one first. */
+/** Return the server's heads, the first one first. */
 export const heads = () => once("heads", () => json("heads"));
 
 /** @param {HeadRow} head */
 export const headLabel = ({ name, folder, problem, source, mffa, generation }) =>
   `${name || folder}${problem ? "" : ` · ${sensorOf(source ?? "")} · ${mffa ? generation : "no MFFA"}`}`;
-/** The methods that can be fitted: on the pairs of the head's source, by their classes.
+/** Return the methods that can be fitted: on the pairs of the head's source, by their classes.
  * @param {Frames} frames @returns {[value: string, label: string][]} */
 export const methodsFor = ({ source, domains, labelled }) =>
   labelled && domains.includes(source) ? TABLES.methods.map(({ id, title }) => [`${METHOD}${id}`, title]) : [];
 /** @param {string} name */
 export const isMethod = (name) => name.startsWith(METHOD);
 
-/** The frames of `name`; "" is the first head, whose frames are loaded.
- * If coarse frames come first, `onFiner` is called once finer ones exist.
+/** Return the frames of `name`; "" is the first head, whose frames are loaded. If coarse frames come first, `onFiner`
+ * is called once finer ones exist.
  * @param {string} name @param {Frames} own @param {(step: Step | null) => void} onWait @param {() => void} onFiner
  * @returns {Promise<Frames>} */
 export function framesBy(name, own, onWait, onFiner) {
@@ -47,7 +47,7 @@ async function fetched(name, onWait, onFiner) {
   return frames;
 }
 
-/** The same maps with the predictions of a method, which do not depend on p.
+/** Return the same maps with the predictions of a method, which do not depend on p.
  * @param {string} name @param {Frames} own @returns {Promise<Frames>} */
 async function byMethod(name, own) {
   const { label, classes, prediction, confidence, accuracy } = await ask("predictions", {

@@ -11,8 +11,8 @@ export const base = new URL("omnivat/", document.baseURI);
 /** The set in the page's address: one of the project's, or one that the visitor loaded; "" is the server's. */
 export const own = new URLSearchParams(location.search).get("set") ?? "";
 
-/** A request in parts: the set, the name of the route, the other parameters in their order; and its name in `files`,
- * where the profile of a visitor's sensor changes no answer.
+/** Return a request in parts: the set, the name of the route, the other parameters in their order; and its name in
+ * `files`, where the profile of a visitor's sensor changes no answer.
  * @param {Held} page @param {string} path @param {string} body */
 function parts({ home }, path, body = "") {
   const url = new URL(path, base);
@@ -26,7 +26,7 @@ function parts({ home }, path, body = "") {
   return { set, path: route, query, key };
 }
 
-/** The address of a file for a path; undefined if there is none. @param {Held} page @param {string} path */
+/** Return the address of a file for a path; undefined if there is none. @param {Held} page @param {string} path */
 export const fileOf = (page, path) => page.files[parts(page, path).key];
 
 /** `models`: settled once the models are there that an own pair needs, if they are on their way; maps wait for it. */
@@ -36,7 +36,7 @@ export const line = { models: null };
 /** @param {string} sentence @param {number} status */
 const failure = (sentence, status) => new Response(JSON.stringify({ error: sentence }), { status });
 
-/** The response to a request, as the server would give it.
+/** Return the response to a request, as the server would give it.
  * @param {Held} page @param {string} path @param {RequestInit} options @returns {Promise<Response>} */
 export async function respond(page, path, { body, signal } = {}) {
   const { key, ...request } = parts(page, path, typeof body === "string" ? body : "");

@@ -8,12 +8,12 @@ export const OTHER = { vis: "tac", tac: "vis" };
 /** A branch inside a pair is not a reading. @type {Reading[]} */
 export const READINGS = ["fused", ...IMAGES];
 
-/** The images that a pair or its readings have. @param {Partial<Record<Modality, unknown>>} of */
+/** Return the images that a pair or its readings have. @param {Partial<Record<Modality, unknown>>} of */
 export const imagesOf = (of) => IMAGES.filter((name) => of[name]);
 
 const PLACES = ["vis", "tac", "photos", "touches"]; // of images in a question, its pairs and its lessons
 
-/** A question with `of` each of its images in their place.
+/** Return a question with `of` each of its images in their place.
  * @template {Question} Some @param {Some} question @param {(image: any) => any} of @returns {Some} */
 export function withImages(question, of) {
   const filled = (/** @type {any} */ part) => {

@@ -10,7 +10,7 @@ const GRID = 90; // CSS pixels between two figures on an axis, about
 const inks = new Map();
 onTheme(() => inks.clear());
 
-/** A variable of the style sheet, read once for each theme. @param {Element} canvas @param {string} name */
+/** Return a variable of the style sheet, read once for each theme. @param {Element} canvas @param {string} name */
 export function ink(canvas, name) {
   let found = inks.get(name);
   if (!found) inks.set(name, (found = getComputedStyle(canvas).getPropertyValue(name).trim()));
@@ -29,11 +29,12 @@ const figure = (value, step) => {
   return (Math.abs(value) < step / 2 ? 0 : value).toFixed(Math.min(6, digits));
 };
 
-/** The axis labels of a kind of map; null for UMAP, whose axes and scale have no meaning. @param {string} kind */
+/** Return the axis labels of a kind of map; null for UMAP, whose axes and scale have no meaning.
+ * @param {string} kind */
 export const axisNames = (kind) =>
   kind === "umap" ? null : { x: "principal component 1", y: "principal component 2" };
 
-/** Axes of the map: thin lines at round figures, and axis labels, if it has names for them.
+/** Return axes of the map: thin lines at round figures, and axis labels, if it has names for them.
  * @param {() => ReturnType<typeof axisNames>} names @returns {Painter} */
 export function axes(names) {
   return (context, cloud) => {
@@ -87,7 +88,7 @@ export function axes(names) {
 const ring = (context, place, radius, colour, width = 2.5) =>
   stroked(context, () => context.arc(...place, radius, 0, 7), [width + 2.5, "#fff"], [width, colour]);
 
-/** A pair: the places of its photo and touch, named, and the line between them; of one image, its place.
+/** Draw a pair: the places of its photo and touch, named, and the line between them; of one image, its place.
  * @param {Context} context @param {Cloud} cloud @param {(Point | undefined)[]} places @param {string} colour */
 export function pairLine(context, cloud, [vis, tac], colour) {
   if (vis && tac) stroked(context, () => segment(context, vis, tac), [5, "#fff"], [2.2, colour]);
@@ -115,7 +116,7 @@ export function neighbourRings(context, cloud, points) {
   for (const point of points) ring(context, cloud.place(point), 6, "#16a34a", 1.8);
 }
 
-/** What the shapes stand for, at the upper right of a map without axes.
+/** Draw what the shapes stand for, at the upper right of a map without axes.
  * @param {Context} context @param {Cloud} cloud @param {string} words */
 export function shapes(context, cloud, words) {
   context.font = `600 ${isLecture() ? 20 : 13}px ${ink(cloud.box, "--ov-font")}`;

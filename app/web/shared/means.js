@@ -21,8 +21,8 @@ const STEP = 6; // by which a name moves aside
 
 const inkOf = () => (isDark() ? "#f8fafc" : "#0f172a");
 
-/** The groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of VIS, of
- * TAC, of both.
+/** Return the groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of
+ * VIS, of TAC, of both.
  * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown
  * @param {Pick<Colouring, "values" | "groups" | "of">} chosen
  * @returns {Group[]} */
@@ -47,7 +47,7 @@ export function groupsOf(frames, cloud, shown, chosen) {
   });
 }
 
-/** A painter: one line for each group of pairs, or one for all, over points with `shown(point)`.
+/** Return a painter: one line for each group of pairs, or one for all, over points with `shown(point)`.
  * @param {() => Frames} frames @param {(point: number) => boolean} shown @returns {Painter} */
 export function means(frames, shown) {
   return (context, cloud) => {
@@ -72,7 +72,8 @@ export function means(frames, shown) {
   };
 }
 
-/** Groups with a place {x, y} for their names: where many of their points are. A mean between two clouds has none.
+/** Return groups with a place {x, y} for their names: where many of their points are. A mean between two clouds has
+ * none.
  * @template {Pick<Group, "both">} T @param {T[]} groups @param {(pair: number) => number} of
  * @param {Pick<Cloud, "count" | "width" | "height" | "x" | "y">} cloud @param {(point: number) => boolean} shown */
 export function settled(groups, of, cloud, shown) {
@@ -98,8 +99,8 @@ export function settled(groups, of, cloud, shown) {
   });
 }
 
-/** A painter: the name of each group of pairs at its points; the source is marked. Where no group has a place
- * of its own, the names stand in a row.
+/** Return a painter: the name of each group of pairs at its points; the source is marked. Where no group has a place of
+ * its own, the names stand in a row.
  * @param {() => Frames} frames @param {(point: number) => boolean} shown @returns {Painter} */
 export function names(frames, shown) {
   return (context, cloud) => {

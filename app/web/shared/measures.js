@@ -8,7 +8,7 @@ const BRIEF = TABLES.measures.filter((row) => can(row, "brief"));
 export const GAPS = BRIEF.filter((row) => !can(row, "predictions"));
 export const ACCURACY = TABLES.measures.find((row) => can(row, "predictions"))?.id ?? "";
 
-/** The gaps and margins that frames have of some step: all measures of features. @param {Frames} frames */
+/** Return the gaps and margins that frames have of some step: all measures of features. @param {Frames} frames */
 export const gapsOf = (frames) => {
   const names = new Set(Object.keys(frames.meta.curves).map((key) => key.split("/")[0]));
   return TABLES.measures.filter(({ id }) => id !== ACCURACY && names.has(id));
@@ -19,26 +19,26 @@ const series = (frames, name) => frames.meta.curves[name] ?? null;
 /** @param {Frames} frames @param {string} domain */
 const isSource = (frames, domain) => domain !== "" && domain === frames.meta.head?.source;
 
-/** The name of an accuracy curve over several trainings, without its suffix.
+/** Return the name of an accuracy curve over several trainings, without its suffix.
  * @param {Frames} frames @param {string} domain */
 const trainedAccuracy = (frames, domain) =>
   `seeds:${ACCURACY}/${isSource(frames, domain) ? "source_test" : domain || "unseen"}`;
 
-/** Accuracy per stop, the mean if there are several trainings. Training pairs are excluded; a single training
+/** Return accuracy per stop, the mean if there are several trainings. Training pairs are excluded; a single training
  * therefore has no accuracy in its source domain.
  * @param {Frames} frames @param {string} domain */
 const accuracy = (frames, domain) =>
   series(frames, `${trainedAccuracy(frames, domain)}/mean`) ??
   (isSource(frames, domain) ? null : series(frames, `${ACCURACY}/${domain || "unseen"}`));
 
-/** The values of one measure at one stage, of one domain if named; null if not measured.
+/** Return the values of one measure at one stage, of one domain if named; null if not measured.
  * @param {Frames} frames @param {string} name @param {string} stage */
 export function values(frames, name, stage, domain = "") {
   if (name === ACCURACY) return accuracy(frames, domain);
   return series(frames, `${name}/${featuresOf(stage)}${domain && `/${domain}`}`);
 }
 
-/** Minimum and maximum over trainings: {low, high}, or null for a single training.
+/** Return minimum and maximum over trainings: {low, high}, or null for a single training.
  * @param {Frames} frames @param {string} name @param {string} stage */
 export function spread(frames, name, stage, domain = "") {
   if (domain && name !== ACCURACY) return null;
@@ -47,7 +47,7 @@ export function spread(frames, name, stage, domain = "") {
   return low && high && { low, high };
 }
 
-/** One axis for a measure at every stage, domain and stop: a flat line stays flat.
+/** Return one axis for a measure at every stage, domain and stop: a flat line stays flat.
  * @param {Frames} frames @param {string} name @returns {[number, number]} */
 export function axis(frames, name) {
   if (name === ACCURACY) return [0, 1];

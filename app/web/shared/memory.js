@@ -5,7 +5,7 @@ const here = new Map();
 /** @param {boolean} visit */
 const storage = (visit) => (visit ? sessionStorage : localStorage);
 
-/** The text kept under a key; null if there is none. @param {string} key */
+/** Return the text kept under a key; null if there is none. @param {string} key */
 export function kept(key, visit = false) {
   try {
     return storage(visit).getItem(key);
@@ -24,7 +24,7 @@ export function keep(key, text, visit = false) {
   }
 }
 
-/** What is kept as JSON; `otherwise` if there is nothing that can be read.
+/** Return what is kept as JSON; `otherwise` if there is nothing that can be read.
  * @param {string} key @param {unknown} otherwise @returns {any} */
 export function keptJson(key, otherwise, visit = false) {
   try {

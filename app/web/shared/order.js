@@ -18,7 +18,8 @@ export const HUNDREDTHS = {
   stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
 };
 
-/** The ends of the axis of p, whichever stops are there. @param {Pick<Stops, "orders">} frames
+/** Return the ends of the axis of p, whichever stops are there.
+ * @param {Pick<Stops, "orders">} frames
  * @returns {[number, number]} */
 export const span = ({ orders }) => [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])];
 

@@ -11,10 +11,11 @@ const GOLD = { root: "#f59e0b", node: "#fde68a" };
 const LEVELS = 65535; // of a position in frames
 const IMAGES = /** @type {const} */ (["vis", "tac"]);
 
-/** The stop of a journey at an order; -1 if it has none. @param {Journey | null} journey @param {number} order */
+/** Return the stop of a journey at an order; -1 if it has none.
+ * @param {Journey | null} journey @param {number} order */
 export const journeyStop = (journey, order) => journey?.orders.findIndex((p) => Math.abs(p - order) < 1e-4) ?? -1;
 
-/** Where a pair and its nodes are at a stop of its journey on a map, in map units.
+/** Return where a pair and its nodes are at a stop of its journey on a map, in map units.
  * @param {Journey} journey @param {string} kind @param {number} at
  * @returns {{places: Partial<Record<Modality, Point>>, nodes: Point[]}} */
 export function placesAt({ maps }, kind, at) {
@@ -25,7 +26,7 @@ export function placesAt({ maps }, kind, at) {
   };
 }
 
-/** The positions of a map with those of a pair and its nodes after them, so that all glide together.
+/** Return the positions of a map with those of a pair and its nodes after them, so that all glide together.
  * @param {Positions} frame @param {ReturnType<typeof placesAt>} marks @returns {Positions} */
 export function withMarks(frame, { places, nodes }) {
   const [low, high] = frame.bounds;
@@ -37,13 +38,14 @@ export function withMarks(frame, { places, nodes }) {
   return { ...frame, points };
 }
 
-/** A position of frames in map units. @param {Positions} frame @param {number} point @returns {Point} */
+/** Return a position of frames in map units. @param {Positions} frame @param {number} point @returns {Point} */
 export function placeIn({ points, bounds: [low, high] }, point) {
   const at = (/** @type {0 | 1} */ i) => low[i] + (points[2 * point + i] / LEVELS) * (high[i] - low[i]);
   return [at(0), at(1)];
 }
 
-/** The images of a journey whose class and position are guesses. @param {Journey | null} journey
+/** Return the images of a journey whose class and position are guesses.
+ * @param {Journey | null} journey
  * @returns {Partial<Record<Modality, boolean>>} */
 export const guessesOf = (journey) =>
   Object.fromEntries(Object.entries(journey?.images ?? {}).map(([name, { guess }]) => [name, guess]));
@@ -51,20 +53,20 @@ export const guessesOf = (journey) =>
 const SHAPE = /** @type {const} */ ({ vis: "circle", tac: "triangle" });
 const there = (/** @type {Point | undefined} */ place) => Boolean(place && Number.isFinite(place[0]));
 
-/** The corners of a star. @param {Point} place @param {number} radius @returns {Point[]} */
+/** Return the corners of a star. @param {Point} place @param {number} radius @returns {Point[]} */
 export const starOf = ([x, y], radius) =>
   Array.from({ length: 10 }, (_, i) => {
     const [angle, r] = [(i * Math.PI) / 5 - Math.PI / 2, i % 2 ? 0.45 * radius : radius];
     return [x + r * Math.cos(angle), y + r * Math.sin(angle)];
   });
 
-/** The path of a star. @param {Context} context @param {Point} place @param {number} radius */
+/** Trace the path of a star. @param {Context} context @param {Point} place @param {number} radius */
 function star(context, place, radius) {
   for (const corner of starOf(place, radius)) context.lineTo(...corner);
   context.closePath();
 }
 
-/** The star at a place, -1 for none. @param {Point[]} nodes @param {Point} place */
+/** Return the star at a place, -1 for none. @param {Point[]} nodes @param {Point} place */
 export function starAt(nodes, [x, y]) {
   const far = nodes.map((node) => Math.hypot(node[0] - x, node[1] - y));
   const near = far.filter((length) => length < NEAR);

@@ -7,13 +7,13 @@ import { html, percent } from "./text.js";
 const [WIDE, ROW, TOP] = [270, 56, 16]; // units of the drawing
 const BELOW = 20; // from a leaf to its words
 
-/** The corners of a star as text. @param {Point} place @param {number} radius */
+/** Return the corners of a star as text. @param {Point} place @param {number} radius */
 const corners = (place, radius) =>
   starOf(place, radius)
     .map((corner) => corner.map((v) => v.toFixed(1)))
     .join(" ");
 
-/** The nodes of each level, and where a node stands in a drawing of some width. @param {number[]} parents */
+/** Return the nodes of each level, and where a node stands in a drawing of some width. @param {number[]} parents */
 export function levelsOf(parents) {
   /** @type {number[]} */
   const depth = [];
@@ -28,7 +28,7 @@ export function levelsOf(parents) {
   return { depth, rows, across };
 }
 
-/** The tree at a stop, with what each node alone predicts. @param {Journey} journey @param {number} at */
+/** Return the tree at a stop, with what each node alone predicts. @param {Journey} journey @param {number} at */
 export function treeSvg({ classes, tree: { parents, probabilities, in_use: used } }, at) {
   const { depth, rows, across } = levelsOf(parents);
   const place = (/** @type {number} */ i) => ({ x: across(i, WIDE), y: TOP + depth[i] * ROW });

@@ -41,7 +41,7 @@ const MOST = TOL_BRIGHT.length; // values of a column that have a colour each
 /** @type {WeakMap<string[], Values>} */
 const known = new WeakMap();
 
-/** The values of a column of the pairs' table; of more than MOST, the most frequent and the others.
+/** Return the values of a column of the pairs' table; of more than MOST, the most frequent and the others.
  * @param {string[]} column @returns {Values} */
 function valuesIn(column) {
   const found = known.get(column);
@@ -116,7 +116,7 @@ const KNOWN = {
   },
 };
 
-/** The class that is predicted for a pair at a stop: by one image alone where that is shown, else by the head.
+/** Return the class that is predicted for a pair at a stop: by one image alone where that is shown, else by the head.
  * @param {Colourable} frames @param {number} pair @param {number} stop */
 export const saidOf = ({ answered, prediction, pairs }, pair, stop) =>
   answered?.[pair] ?? prediction[stop * pairs + pair];
@@ -127,7 +127,7 @@ const COLOURINGS = TABLES.colours.map((row) => ({ ...row, ...(row.column ? byCol
 /** @param {Numbers} all */
 const differ = (all) => all.some((one) => one !== all[0]);
 
-/** Whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence.
+/** Return whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence.
  * @param {Colourable} frames @param {Colouring} row */
 const fits = (frames, { needs = [], values }) =>
   (!values || differ(values(frames))) &&
@@ -136,10 +136,10 @@ const fits = (frames, { needs = [], values }) =>
       ({ head: !frames.headless, classes: frames.labelled })[one] ?? (has(frames, one) && frames.confidence.length > 0),
   );
 
-/** The colourings that frames have. @param {Colourable} frames */
+/** Return the colourings that frames have. @param {Colourable} frames */
 export const colouringsOf = (frames) => COLOURINGS.filter((row) => fits(frames, row));
 
-/** The colouring called `key`, or that of classes if the frames lack it, or the first.
+/** Return the colouring called `key`, or that of classes if the frames lack it, or the first.
  * @param {Colourable} frames @param {string} key */
 export function colouring(frames, key) {
   const all = colouringsOf(frames);
@@ -149,7 +149,7 @@ export function colouring(frames, key) {
 /** @param {string} hex */
 export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
-/** A ramp from paper to ink for pictures of magnitudes: 256 colours as [r, g, b]. @param {boolean} dark */
+/** Return a ramp from paper to ink for pictures of magnitudes: 256 colours as [r, g, b]. @param {boolean} dark */
 export function ramp(dark) {
   const stops = (
     dark ? ["#0b1220", "#16456e", "#2f9ec4", "#f4e7a1"] : ["#ffffff", "#a9d4e6", "#2b7cb0", "#0a2342"]

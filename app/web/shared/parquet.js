@@ -28,7 +28,7 @@ function utf8(text) {
 /** @param {number} value @returns {number[]} */
 const varint = (value) => (value < 128 ? [value] : [(value % 128) + 128, ...varint(Math.floor(value / 128))]);
 
-/** The bytes of a value. @param {Value} value @returns {number[]} */
+/** Return the bytes of a value. @param {Value} value @returns {number[]} */
 function encoded([type, value]) {
   if (type === "text") return [...varint(utf8(value).length), ...utf8(value)];
   if (type === "list") {
@@ -77,17 +77,18 @@ function numbers(values, kind) {
   return [new Uint8Array(view.buffer)];
 }
 
-/** The levels of lists of one value each: none repeats, each is there. @param {number} count */
+/** Return the levels of lists of one value each: none repeats, each is there. @param {number} count */
 const levels = (count) =>
   [0, 1].flatMap((level) => {
     const run = Uint8Array.from([...varint(2 * count), level]);
     return [little(run.length), run];
   });
 
-/** An element of the schema. @param {string} name @param {Record<number, Value>} more */
+/** Return an element of the schema. @param {string} name @param {Record<number, Value>} more */
 const element = (name, more) => fields({ 3: i32(REQUIRED), 4: text(name), ...more });
 
-/** The schema of a column, and where its values are. @param {Column} column
+/** Return the schema of a column, and where its values are.
+ * @param {Column} column
  * @returns {{schema: Value[], leaves: Leaf[]}} */
 function described(column) {
   const { name, values } = column;
@@ -126,7 +127,7 @@ function described(column) {
   return { schema: [element(name, { 1: i32(type) })], leaves: [{ path: [name], type, parts }] };
 }
 
-/** A file of columns of one length. @param {Column[]} columns @param {Record<string, string>} [metadata] */
+/** Return a file of columns of one length. @param {Column[]} columns @param {Record<string, string>} [metadata] */
 export function parquet(columns, metadata = {}) {
   const count = columns[0].values.length;
   const all = columns.map(described);

@@ -12,7 +12,8 @@ export async function somePair(examples, frames) {
   if (chosen && !state.vis && !state.tac) change({ vis: chosen, tac: chosen });
 }
 
-/** The gallery: the examples in the set's order of domains and classes, or one pair of the set for each of these.
+/** Return the gallery: the examples in the set's order of domains and classes, or one pair of the set for each of
+ * these.
  * @param {Example[]} examples @param {Frames | null} frames
  * @returns {{ref: Ref, domain: string, truth: string, path?: string, pair?: number}[]} */
 export function shelf(examples, frames) {

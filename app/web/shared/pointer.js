@@ -51,7 +51,8 @@ const placeOf = ({ offsetX, offsetY }) => [offsetX, offsetY];
 /** @param {Point} a @param {Point} b */
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
-/** What a pointer or several fingers do. @param {Cloud} cloud @param {On} on @param {{polygon: Point[] | null}} drawing
+/** Return what a pointer or several fingers do.
+ * @param {Cloud} cloud @param {On} on @param {{polygon: Point[] | null}} drawing
  * @returns {Record<string, (event: PointerEvent) => unknown>} */
 function pointed(cloud, on, drawing) {
   /** @type {Map<number, Point>} */

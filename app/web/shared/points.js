@@ -47,7 +47,7 @@ function stamp(style) {
   return found;
 }
 
-/** A small picture of one shape: premultiplied colours, and the transparency. @param {Style} style */
+/** Return a small picture of one shape: premultiplied colours, and the transparency. @param {Style} style */
 function made({ shape, colour, radius, alpha }) {
   const side = 2 * Math.ceil(radius * 1.4 + 1) + 1;
   const x = drawingOn(new OffscreenCanvas(side, side));
@@ -74,7 +74,7 @@ function made({ shape, colour, radius, alpha }) {
   };
 }
 
-/** An opaque pixel. @param {number} r @param {number} g @param {number} b */
+/** Return an opaque pixel. @param {number} r @param {number} g @param {number} b */
 export const word = (r, g, b) => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
 
 export class Pixels {

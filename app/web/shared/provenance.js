@@ -23,14 +23,15 @@ function predictor(frames, stop) {
   return width ? `${words} (D\u00a0=\u00a0${width})` : words;
 }
 
-/** How many domains of a set with pairs its head has not learned from.
+/** Return how many domains of a set with pairs its head has not learned from.
  * @param {Frames} frames */
 export function strangers({ domains, source, domain }) {
   const there = new Set(domain); // a set may name domains of which it has no pair
   return domains.filter((name, i) => name !== source && there.has(i)).length;
 }
 
-/** The pairs that an accuracy of frames was measured on, in words. `unseen`: the summary of the domains, once known.
+/** Return the pairs that an accuracy of frames was measured on, in words. `unseen`: the summary of the domains, once
+ * known.
  * @param {Frames} frames @param {{domains: {is_source?: boolean, pairs: number}[]} | null} [unseen] */
 export function unseenPairs(frames, unseen) {
   const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
@@ -40,7 +41,7 @@ export function unseenPairs(frames, unseen) {
   return count ? `${grouped(count)} pairs (${mean})` : `the pairs of ${all}`;
 }
 
-/** The line below an accuracy of frames at one stop; nothing where nothing predicts.
+/** Return the line below an accuracy of frames at one stop; nothing where nothing predicts.
  * @param {Frames} frames @param {number} stop @param {string} pairs @param {null} [known] */
 export const ofFrames = (frames, stop, pairs, known) =>
   frames.headless || !frames.source

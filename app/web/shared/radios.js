@@ -5,7 +5,7 @@ import { html } from "./text.js";
 /** @type {Record<string, number>} */
 const ARROWS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
 
-/** The state of a radio button, as attributes. @param {boolean} on */
+/** Return the state of a radio button, as attributes. @param {boolean} on */
 export const checked = (on) => html`aria-checked="${String(on)}" tabindex="${on ? 0 : -1}"`;
 
 /** Buttons of which one is chosen; `name` is of what.

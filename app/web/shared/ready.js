@@ -7,7 +7,7 @@ function arrived() {
   if (!going) document.body.dataset.ready = "";
 }
 
-/** The result of `work`. The page is not ready before that, nor before what follows from it at once.
+/** Return the result of `work`. The page is not ready before that, nor before what follows from it at once.
  * @template T @param {Promise<T>} work @returns {Promise<T>} */
 export async function awaited(work) {
   going += 1;
@@ -19,7 +19,7 @@ export async function awaited(work) {
   }
 }
 
-/** A function that runs `act` a pause after its last call; the page is not ready before.
+/** Return a function that runs `act` a pause after its last call; the page is not ready before.
  * @param {() => void} act @param {number} ms @returns {() => void} */
 export function afterwards(act, ms) {
   let timer = 0;

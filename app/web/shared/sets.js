@@ -2,7 +2,7 @@
 
 const LESSON = "chirps"; // the set on which p decides
 const SENSORS = "sensors";
-/** The set of a chapter, by name; "" is the page's own. `listed` are the sets of the project.
+/** Return the set of a chapter, by name; "" is the page's own. `listed` are the sets of the project.
  * @param {string} chapter @param {SetRow[]} listed */
 export function setOf(chapter, listed) {
   const shown = listed.find((set) => set.shown)?.name;

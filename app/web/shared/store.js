@@ -78,7 +78,7 @@ const listeners = new Set();
 /** @param {string} chapter @returns {Omit<State, "left" | "otherP" | "tour">} */
 const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
-/** The values of the address. @returns {Omit<State, "left" | "otherP" | "tour">} */
+/** Return the values of the address. @returns {Omit<State, "left" | "otherP" | "tour">} */
 function fromAddress() {
   const address = new URLSearchParams(location.search);
   const named = address.get("chapter") ?? "";
@@ -98,8 +98,8 @@ function fromAddress() {
 /** The state, which `change` alone replaces. @type {Readonly<State>} */
 export let state = Object.freeze({ ...fromAddress(), left: {}, otherP: DEFAULTS.p, tour: -1 });
 
-/** The state after values have changed. p of the chapter of the order, which has a set of its own, means nothing to the
- * head of the other tabs: each side finds its own again.
+/** Return the state after values have changed. p of the chapter of the order, which has a set of its own, means nothing
+ * to the head of the other tabs: each side finds its own again.
  * @param {Readonly<State>} before @param {Partial<State>} patch @returns {State} */
 export function after(before, patch) {
   const { chapter, view, p, otherP } = before;
@@ -143,7 +143,7 @@ export function openChapter(chapter, patch = {}) {
   return change({ ...own(usual(chapter)), ...left[chapter], ...patch, chapter, left });
 }
 
-/** The order at which a chapter opens; that of the order's own set waits while another tab is open.
+/** Return the order at which a chapter opens; that of the order's own set waits while another tab is open.
  * @param {number} p */
 export const openAt = (p) => change(state.chapter === "order" && state.view !== "explore" ? { otherP: p } : { p });
 
@@ -201,7 +201,7 @@ export function writeAddress(how = "replaceState") {
 
 const writeSoon = afterwards(() => writeAddress(), 150);
 
-/** The hidden names of a filter, as a set: in the state they are joined by ~, of which a name may contain one.
+/** Return the hidden names of a filter, as a set: in the state they are joined by ~, of which a name may contain one.
  * @param {Filter} kind @param {Pick<State, Filter>} address */
 export const hidden = (kind, address = state) =>
   new Set(address[kind] ? address[kind].split("~").map((name) => name.replace(/%25|%7E/g, decodeURIComponent)) : []);

@@ -7,15 +7,16 @@ export const TABLES = sent
   ? JSON.parse(sent)
   : { modes: [], measures: [], stages: [], colours: [], methods: [], rungs: [], domains: [] };
 
-/** The row of frames' mode of p; one that can do nothing where there is no head.
+/** Return the row of frames' mode of p; one that can do nothing where there is no head.
  * @param {{kind: string}} frames @returns {Mode} */
 export const modeOf = ({ kind }) => TABLES.modes.find(({ id }) => id === kind) ?? { id: kind, can: [] };
 
-/** Whether a row can do something; docs/extend.md lists the abilities. @param {{can?: string[]} | undefined} row
+/** Return whether a row can do something; docs/extend.md lists the abilities.
+ * @param {{can?: string[]} | undefined} row
  * @param {string} ability */
 export const can = (row, ability) => Boolean(row?.can?.includes(ability));
 
-/** Whether the mode of frames can. @param {{kind: string}} frames @param {string} ability */
+/** Return whether the mode of frames can. @param {{kind: string}} frames @param {string} ability */
 export const has = (frames, ability) => can(modeOf(frames), ability);
 
 /** The mode whose frames are the loaded head's own. */
@@ -24,16 +25,16 @@ export const OWN_MODE = TABLES.modes.find((row) => can(row, "own"))?.id ?? "";
 /** The rungs that have a map of the twins' touches, the first as they come. */
 export const PLACES = TABLES.rungs.filter(({ map }) => map !== undefined);
 
-/** The rung that the third chapter draws. @param {{rung: string}} address @returns {Partial<RungRow>} */
+/** Return the rung that the third chapter draws. @param {{rung: string}} address @returns {Partial<RungRow>} */
 export const rungOf = ({ rung }) => TABLES.rungs.find(({ id }) => id === rung) ?? {};
 
-/** A domain by its sensor and data set, "GelSight (TAG)"; one of a visitor's set keeps its name.
+/** Return a domain by its sensor and data set, "GelSight (TAG)"; one of a visitor's set keeps its name.
  * @param {string} domain */
 export function sensorOf(domain) {
   const name = domain.replace(/-sim$/, "");
   return TABLES.domains.find(({ id }) => id === name)?.title ?? name;
 }
 
-/** A row's sentence with the values in place of {names}.
+/** Return a row's sentence with the values in place of {names}.
  * @param {string} text @param {Record<string, unknown>} values */
 export const worded = (text, values) => text.replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ""));

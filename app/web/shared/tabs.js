@@ -23,7 +23,7 @@ function openFirst(view, seen = 0) {
   setTimeout(openFirst, AGAIN, view, open ? seen + 1 : 0);
 }
 
-/** The document has the name of the open chapter or tab. */
+/** Give the document the name of the open chapter or tab. */
 export function nameDocument() {
   const { view, chapter } = state;
   const named = document.querySelector(

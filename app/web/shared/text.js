@@ -25,8 +25,9 @@ const markup = (value) =>
         : escaped(value);
 /** @type {WeakMap<TemplateStringsArray, string[]>} */
 const templates = new WeakMap();
-/** The texts of a template without its line breaks, as in JSX: one between words or in a tag is a space, one beside a
- * tag or a value is nothing. @param {TemplateStringsArray} parts */
+/** Return the texts of a template without its line breaks, as in JSX: one between words or in a tag is a space, one
+ * beside a tag or a value is nothing.
+ * @param {TemplateStringsArray} parts */
 function unbroken(parts) {
   let tag = false;
   return parts.map((part) =>
@@ -56,11 +57,11 @@ export const put = (box, content) => {
 
 /** @param {number} share */
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
-/** A number with its thousands apart. @param {number} n */
+/** Return a number with its thousands apart. @param {number} n */
 export const grouped = (n) => n.toLocaleString("en-US");
 /** @param {number} low @param {number} high */
 export const interval = (low, high) => `95 % interval: ${percent(low)} to ${percent(high)}`;
-/** Words between which something stands; what is absent is left out. @param {unknown[]} words */
+/** Return words between which something stands; what is absent is left out. @param {unknown[]} words */
 export const joined = (words, between = ", ") => words.filter(Boolean).join(between);
 /** @param {string} name */
 export const isSimulated = (name) => name.endsWith("-sim");
@@ -74,21 +75,21 @@ export const options = (all, chosen = "") =>
     ([value, label]) => html`<option value="${value}"${value === chosen && html` selected`}>${label}</option>`,
   )}`;
 
-/** A table that scrolls in its place: headings of the columns, and its rows.
+/** Return a table that scrolls in its place: headings of the columns, and its rows.
  * @param {string} label @param {Markup[]} head @param {Markup[]} rows */
 export const table = (label, head, rows) =>
   html`<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table><thead><tr>${head.map(
     (column) => html`<th scope="col">${column}</th>`,
   )}</tr></thead><tbody>${rows}</tbody></table></div>`;
 
-/** A row of a table: its heading, then its cells, as <td> or as what is in one.
+/** Return a row of a table: its heading, then its cells, as <td> or as what is in one.
  * @param {Markup} heading @param {Markup[]} cells */
 export const row = (heading, cells) =>
   html`<tr><th scope="row">${heading}</th>${cells.map((cell) =>
     cell instanceof Html && cell.text.startsWith("<td") ? cell : html`<td>${cell}</td>`,
   )}</tr>`;
 
-/** The bytes of a base64 text. @param {string} text */
+/** Return the bytes of a base64 text. @param {string} text */
 export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
 /** Bytes as a base64 text. @param {Uint8Array} bytes */
@@ -138,7 +139,7 @@ export function fill(box, content) {
   if (draw(box, content)) filled.next(box);
 }
 
-/** A name for bytes, to tell files of one visitor apart. @param {Uint8Array} bytes */
+/** Return a name for bytes, to tell files of one visitor apart. @param {Uint8Array} bytes */
 export function nameOf(bytes) {
   let [a, b] = [0xdeadbeef, 0x41c6ce57];
   for (let at = 0; at < bytes.length; at++) {

@@ -17,7 +17,7 @@ export function theSet(onWait = () => {}, set = "") {
   return once(`set ${set}`, () => fetchAll(set));
 }
 
-/** The set. While the server computes its map, or the models of a page without a server come first: nulls, and a
+/** Return the set. While the server computes its map, or the models of a page without a server come first: nulls, and a
  * promise of the set as `later`. Without a map that promise stays pending; Explore shows the reason.
  * @returns {Promise<{frames: Frames | null, sprite: Sprite | null, later?: ReturnType<typeof theSet>}>} */
 export function theSetSoon() {

@@ -20,7 +20,7 @@ export function tell(wait, sentence, problem = false) {
   wait.classList.toggle("problem", problem);
 }
 
-/** What to say while the server makes maps. @param {Step | null} step */
+/** Return what to say while the server makes maps. @param {Step | null} step */
 export const making = (step) => {
   const far = step?.total
     ? `Drawing map ${step.done} of ${step.total}`

@@ -12,8 +12,9 @@ const text = (bytes, at, length) => String.fromCharCode(...bytes.subarray(at, at
 /** @param {Uint8Array} bytes */
 const isJpeg = (bytes) => text(bytes, 0, 2) === "\xff\xd8";
 
-/** Whether a PNG or a JPEG ends as its kind does, whatever follows it; browsers show a part of one that was cut
- * short. @param {Uint8Array} bytes */
+/** Return whether a PNG or a JPEG ends as its kind does, whatever follows it; browsers show a part of one that was cut
+ * short.
+ * @param {Uint8Array} bytes */
 export function whole(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let at = 8;
@@ -29,7 +30,7 @@ export function whole(bytes) {
   return at > 0;
 }
 
-/** A bitmap over white at a share of its size. @param {ImageBitmap} bitmap @param {number} scale */
+/** Return a bitmap over white at a share of its size. @param {ImageBitmap} bitmap @param {number} scale */
 function drawn(bitmap, scale) {
   const side = (/** @type {number} */ length) => Math.max(1, Math.round(scale * length));
   const canvas = new OffscreenCanvas(side(bitmap.width), side(bitmap.height));
@@ -40,8 +41,9 @@ function drawn(bitmap, scale) {
   return { canvas, brush };
 }
 
-/** A picture of a file's bytes: its size, its pixels (a large picture is drawn smaller), and a small copy as a data
- * address; a Refusal otherwise. @param {Uint8Array} bytes @param {string} name @param {SiteRules} rules */
+/** Return a picture of a file's bytes: its size, its pixels (a large picture is drawn smaller), and a small copy as a
+ * data address; a Refusal otherwise.
+ * @param {Uint8Array} bytes @param {string} name @param {SiteRules} rules */
 export async function decoded(bytes, name, { pixels, side }) {
   if (text(bytes, 8, 8) === "WEBPVP8X" && bytes[20] & 8)
     throw new Refusal(`'${name}' is a WebP with EXIF, which browsers turn differently; save it as PNG or JPEG.`);

@@ -84,7 +84,7 @@ export class Desk extends Models {
   }
 }
 
-/** The readings of a head's outputs at one stop; one image alone has its own reading as both.
+/** Return the readings of a head's outputs at one stop; one image alone has its own reading as both.
  * @param {Tensors} out @param {number} stop @param {Rows} pair @returns {Record<string, number[]>} */
 export function readingsOf(out, stop, pair) {
   const [alone, other] = imagesOf(pair);

@@ -18,7 +18,8 @@ const median = (values) => {
   return (sorted[(sorted.length - 1) >> 1] + sorted[sorted.length >> 1]) / 2;
 };
 
-/** A plane of numbers, each made from its place. @param {number} width @param {number} height
+/** Return a plane of numbers, each made from its place.
+ * @param {number} width @param {number} height
  * @param {(x: number, y: number, at: number) => number} make @returns {Plane} */
 function plane(width, height, make) {
   const values = new Float64Array(width * height);
@@ -26,11 +27,13 @@ function plane(width, height, make) {
   return { width, height, values };
 }
 
-/** The value at a place; beyond the edge, that of the edge. @param {Plane} one @param {number} x @param {number} y */
+/** Return the value at a place; beyond the edge, that of the edge.
+ * @param {Plane} one @param {number} x @param {number} y */
 const valueAt = ({ width, height, values }, x, y) =>
   values[Math.min(Math.max(y, 0), height - 1) * width + Math.min(Math.max(x, 0), width - 1)];
 
-/** The sum of a square of pixels, by its first pixel. @param {Plane} one @param {number} left @param {number} top
+/** Return the sum of a square of pixels, by its first pixel.
+ * @param {Plane} one @param {number} left @param {number} top
  * @param {number} size */
 function sumOf(one, left, top, size) {
   let total = 0;
@@ -38,10 +41,10 @@ function sumOf(one, left, top, size) {
   return total;
 }
 
-/** The sums of the squares that are up to `reach` around each pixel. @param {Plane} one @param {number} reach */
+/** Return the sums of the squares that are up to `reach` around each pixel. @param {Plane} one @param {number} reach */
 const sums = (one, reach) => plane(one.width, one.height, (x, y) => sumOf(one, x - reach, y - reach, 2 * reach + 1));
 
-/** The largest or smallest value of the square of pixels that are at most `reach` from each pixel.
+/** Return the largest or smallest value of the square of pixels that are at most `reach` from each pixel.
  * @param {Plane} one @param {number} reach @param {(...values: number[]) => number} fold */
 function extremes(one, reach, fold = Math.max) {
   const wider = (/** @type {Plane} */ from, /** @type {number} */ right, /** @type {number} */ down) =>
@@ -56,7 +59,8 @@ function extremes(one, reach, fold = Math.max) {
   return now;
 }
 
-/** The groups of linked places that are good. @param {ArrayLike<unknown>} good
+/** Return the groups of linked places that are good.
+ * @param {ArrayLike<unknown>} good
  * @param {(at: number) => number[]} links those that are nowhere are not good @returns {number[][]} */
 function groups(good, links) {
   const free = Uint8Array.from(good, Number);
@@ -75,20 +79,21 @@ function groups(good, links) {
   return all;
 }
 
-/** The pixels that share an edge with one; -1 beyond the rim. @param {number} width
+/** Return the pixels that share an edge with one; -1 beyond the rim.
+ * @param {number} width
  * @returns {(at: number) => number[]} */
 const edges = (width) => (at) => [at - width, at + width, at % width ? at - 1 : -1, (at + 1) % width ? at + 1 : -1];
 
 /** @param {Plane} one */
 const reduction = ({ width, height }) => Math.max(1, even(Math.min(width, height) / SIDE));
 
-/** The means of squares of `scale` pixels. @param {Plane} one @param {number} scale */
+/** Return the means of squares of `scale` pixels. @param {Plane} one @param {number} scale */
 const reduced = (one, scale) =>
   plane(Math.floor(one.width / scale), Math.floor(one.height / scale), (x, y) =>
     Math.floor(sumOf(one, x * scale, y * scale, scale) / scale ** 2),
   );
 
-/** How dark each pixel is beside what is around it, 0 to 255. @param {Plane} brightest */
+/** Return how dark each pixel is beside what is around it, 0 to 255. @param {Plane} brightest */
 function darkness(brightest) {
   const { width, height, values } = brightest;
   const reach = Math.floor((WIDEST * Math.min(width, height)) / 2);
@@ -96,7 +101,7 @@ function darkness(brightest) {
   return plane(width, height, (_, __, at) => Math.floor(((closed[at] - values[at]) * 255) / Math.max(closed[at], 24)));
 }
 
-/** The darkest spots, darkest first. @param {Plane} dark @returns {Spot[]} */
+/** Return the darkest spots, darkest first. @param {Plane} dark @returns {Spot[]} */
 function spots(dark) {
   const { width } = dark;
   const total = sums(dark, 2);
@@ -111,7 +116,7 @@ function spots(dark) {
   return found.sort((a, b) => b.depth - a.depth).slice(0, MOST);
 }
 
-/** The two steps [x, y] that most pairs of points share, or null. @param {Spot[]} points @param {Plane} dark */
+/** Return the two steps [x, y] that most pairs of points share, or null. @param {Spot[]} points @param {Plane} dark */
 function commonSteps(points, { width, height }) {
   const reach = Math.trunc(LONGEST * Math.min(width, height));
   const middle = reach + 3; // of the planes below, where the step is zero; sums reach 3 beyond
@@ -173,7 +178,7 @@ function neighbours(points, steps, { width, height }) {
   return { links, fitting };
 }
 
-/** The grid that spots form, or null. @param {Plane} dark @param {Spot[]} points @returns {Grid | null} */
+/** Return the grid that spots form, or null. @param {Plane} dark @param {Spot[]} points @returns {Grid | null} */
 function gridOf(dark, points) {
   const steps = commonSteps(points, dark);
   if (!steps) return null;
@@ -202,7 +207,8 @@ function gridOf(dark, points) {
   return { nodes, steps: exact, darkness: typical / 255 };
 }
 
-/** The median darkness halfway between nodes. @param {Plane} dark @param {Spot[]} nodes @param {number[][]} steps */
+/** Return the median darkness halfway between nodes.
+ * @param {Plane} dark @param {Spot[]} nodes @param {number[][]} steps */
 function between(dark, nodes, [a, b]) {
   const { width, height } = dark;
   const halves = [a, b, [a[0] + b[0], a[1] + b[1]]].map((step) => step.map((length) => Math.floor(length / 2)));
@@ -228,7 +234,7 @@ function findGrid(brightest) {
   return null;
 }
 
-/** Which pixels are dots of the grid. @param {Plane} brightest @param {Grid} grid */
+/** Return which pixels are dots of the grid. @param {Plane} brightest @param {Grid} grid */
 function dotted(brightest, { nodes, steps, darkness: typical }) {
   const { width, height } = brightest;
   const dark = darkness(brightest).values;
@@ -281,7 +287,7 @@ function membrane({ width, height, values }, hole) {
   return out;
 }
 
-/** The picture with its holes filled from their rims, and grain from half a cell of the grid away.
+/** Return the picture with its holes filled from their rims, and grain from half a cell of the grid away.
  * @param {Raster} picture @param {Plane} hole @param {number[][]} steps @returns {Raster} */
 function filled({ pixels, width, height }, hole, [a, b]) {
   const nearHole = extremes(hole, 1).values;
@@ -309,7 +315,7 @@ function filled({ pixels, width, height }, hole, [a, b]) {
   return { pixels: new Uint8Array(out.buffer), width, height };
 }
 
-/** The picture without its printed dots; without any, the same object. @param {Raster} picture */
+/** Return the picture without its printed dots; without any, the same object. @param {Raster} picture */
 export function withoutDots(picture) {
   const { pixels, width, height } = picture;
   if (Math.min(width, height) < SMALLEST) return picture;

@@ -8,7 +8,7 @@ import { dot, nearest, norm, rounded, roundedRow, rowOf, rowsOf, unit } from "./
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
 
-/** The nodes of a group, and their cosines.
+/** Return the nodes of a group, and their cosines.
  * @param {Floats[]} units @param {[number, number]} group */
 function level(units, [start, stop]) {
   const group = units.slice(start, stop);

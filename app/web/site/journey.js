@@ -9,10 +9,10 @@ import { dot, mean, norm, rounded, roundedRow, rowOf, unit } from "./tensors.js"
 const MAP = "pca";
 const WEIGHTLESS = "The weights behind these frames are not here, so this pair has no tree.";
 
-/** The position of a row on a linear map (2, D + 1). @param {Floats} row @param {Tensor} map */
+/** Return the position of a row on a linear map (2, D + 1). @param {Floats} row @param {Tensor} map */
 export const onLinear = (row, map) => [0, 1].map((axis) => rounded(dot([...row, 1], rowOf(map, axis)), 4));
 
-/** What the head for own pictures reads in a pair of a visitor's; null for other pairs or without such a head.
+/** Return what the head for own pictures reads in a pair of a visitor's; null for other pairs or without such a head.
  * @param {import("./desk.js").Desk} desk @param {any} question */
 async function byOwn(desk, question) {
   const { heads } = await desk.about();

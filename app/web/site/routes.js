@@ -11,13 +11,13 @@ import { nearest, rounded, rowOf, stacked, unit } from "./tensors.js";
 const WARM = 3; // runs after which the browser has compiled the encoder
 const named = Object.fromEntries;
 
-/** All stops of p. @param {Desk} desk */
+/** Return all stops of p. @param {Desk} desk */
 const stopsOf = async (desk) => {
   const { stops } = (await desk.about()).rules;
   return Array.from({ length: stops }, (_, k) => k / (stops - 1));
 };
 
-/** The first rows of moduli as a picture of bytes. @param {Tensor} moduli @param {number} rows */
+/** Return the first rows of moduli as a picture of bytes. @param {Tensor} moduli @param {number} rows */
 function spectrum({ shape: [, width], values }, rows) {
   const shown = Array.from(values.subarray(0, rows * width));
   const top = shown.reduce((a, b) => Math.max(a, b)) || 1;
@@ -25,7 +25,7 @@ function spectrum({ shape: [, width], values }, rows) {
   return { rows, columns: width, width, top, pixels };
 }
 
-/** The nearest training pairs of the set, except the pair itself.
+/** Return the nearest training pairs of the set, except the pair itself.
  * @param {Desk} desk @param {SiteHead} head @param {Modality} name @param {Floats} row @param {number} own */
 async function nearestPairs(desk, { name: called, training: { index } }, name, row, own) {
   const { rules } = await desk.about();
@@ -36,7 +36,7 @@ async function nearestPairs(desk, { name: called, training: { index } }, name, r
   return near.map(({ point, cosine }) => ({ pair: index[point], cosine: rounded(cosine, 4) }));
 }
 
-/** What some work gives, or why it was refused. @param {() => unknown} work */
+/** Return what some work gives, or why it was refused. @param {() => unknown} work */
 async function quietly(work) {
   try {
     return await work();

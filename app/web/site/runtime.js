@@ -26,7 +26,7 @@ async function start(base, bytes) {
 
 /** @type {Promise<any> | null} */
 let started = null;
-/** The runtime from the folder of the models; a Refusal where it cannot run, and the next call tries again.
+/** Return the runtime from the folder of the models; a Refusal where it cannot run, and the next call tries again.
  * @param {string | URL} base @param {(url: URL, title: string) => Promise<ArrayBuffer>} bytes fetches a file */
 export function runtime(base, bytes) {
   started ??= start(base, bytes).catch((error) => {

@@ -24,7 +24,7 @@ function alone(response) {
 
 let wanted = 0; // files on their way to the page, before which copies for later visits wait
 
-/** A file as it is kept; the page itself, whose name stays, from the network, else as it was last.
+/** Return a file as it is kept; the page itself, whose name stays, from the network, else as it was last.
  * @param {Request} request */
 async function served(request) {
   const own = !known.has(request.url);

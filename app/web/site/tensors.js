@@ -31,7 +31,7 @@ export function tensors(buffer, name = "the file") {
   }
 }
 
-/** A number or a vector as a tensor. @param {Tensor | Floats | number} one @returns {Tensor} */
+/** Return a number or a vector as a tensor. @param {Tensor | Floats | number} one @returns {Tensor} */
 export function tensorOf(one) {
   if (typeof one === "number") return { values: Float64Array.of(one), shape: [] };
   return "shape" in one ? one : { values: one, shape: [one.length] };
@@ -44,13 +44,13 @@ export function stacked(rows) {
   return { values, shape: [rows.length, rows[0].length] };
 }
 
-/** Rows of a tensor of rows, whatever is around them. @type {(rows: Tensor, row: number) => Float32Array} */
+/** Return rows of a tensor of rows, whatever is around them. @type {(rows: Tensor, row: number) => Float32Array} */
 export const rowOf = ({ shape, values }, row) => {
   const width = shape[shape.length - 1];
   return values.subarray(row * width, (row + 1) * width);
 };
 
-/** All rows of a tensor. @param {Tensor} rows @returns {Float32Array[]} */
+/** Return all rows of a tensor. @param {Tensor} rows @returns {Float32Array[]} */
 export const rowsOf = (rows) => Array.from({ length: rows.shape.at(-2) ?? 1 }, (_, row) => rowOf(rows, row));
 
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
@@ -69,7 +69,8 @@ export function unit(row) {
   return Float64Array.from(row, (value) => value / length);
 }
 
-/** The unit rows nearest to another one, the nearest first. @param {Floats[]} rows @param {Floats} query
+/** Return the unit rows nearest to another one, the nearest first.
+ * @param {Floats[]} rows @param {Floats} query
  * @param {number} count @param {number} except a row that is left out */
 export function nearest(rows, query, count, except = -1) {
   const all = rows.map((row, point) => ({ point, cosine: dot(query, row) }));
