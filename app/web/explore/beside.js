@@ -26,7 +26,7 @@ export const right = (frames, stage, stop) => {
 /** @type {Cloud} */
 let cloud;
 const stage = () => stageNamed(state.stage2).id;
-/** Check that the frames are those that are chosen. */
+/** Return whether the frames are those that are chosen. */
 const isReady = () => !state.head2 || scene.other?.name === state.head2;
 const framesOf = () => (state.head2 && isReady() && scene.other?.frames) || scene.frames;
 /** Return its own p, or that of the first map until it has one. @param {Frames} frames */

@@ -161,6 +161,7 @@ function showLesson() {
     );
 }
 
+/** Show the chosen step: its words, its kinds of map, and the map. */
 export function showStage() {
   const { frames } = scene;
   const steps = stepsOf(frames).map(({ id }) => id);
@@ -178,6 +179,7 @@ function showCurves() {
   charts.curves();
 }
 
+/** Show the colourings and the filters, and apply them. */
 export function showColours() {
   maps.showColourings();
   showFilters($(".filters"), painted(scene, state), (/** @type {Scene["highlight"]} */ highlight) => {

@@ -77,7 +77,7 @@ const headlessHtml = (/** @type {Fit | null} */ fit) =>
     ? html`<details><summary>Why no head?</summary><p>${fit.problem}</p></details>${remedyHtml(fit)}`
     : html``;
 
-/** @type {(scene: Scene) => Words} */
+/** Return the words of the chapter of the order. @type {(scene: Scene) => Words} */
 function order(scene) {
   const { frames, stop, facts } = scene;
   const accuracy = decided(frames);
@@ -107,7 +107,7 @@ function order(scene) {
   };
 }
 
-/** @type {(scene: Scene) => Words} */
+/** Return the words of the chapter of look-alikes. @type {(scene: Scene) => Words} */
 function fooled({ own, facts: { unseen, fit } }) {
   const words = { title: "When is touch needed?", figure: html``, remark: html`` };
   if (own.headless) return { ...words, title: "This chapter needs a head.", remark: headlessHtml(fit) };

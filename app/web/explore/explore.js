@@ -12,6 +12,7 @@ const WORDS = /** @type {Record<string, string>} */ ({
   chirps: "Signals that separate at only one value of p",
 });
 
+/** Start Explore: fetch the choices, and open the chapter in the address or the first that the set has. */
 export async function start() {
   await attempt(async () => {
     const { sets, twins } = await choices();

@@ -67,7 +67,8 @@ export function show() {
   draw($(".histograms"), html`${HISTOGRAMS.map((row) => histogramHtml(row, unseen.pairs[row.name], seen))}`);
 }
 
-/** @param {typeof HISTOGRAMS[number]} row @param {ArrayLike<number>} all @param {Wanted} seen */
+/** Return a histogram with the range that is kept of it.
+ * @param {typeof HISTOGRAMS[number]} row @param {ArrayLike<number>} all @param {Wanted} seen */
 function histogramHtml({ name, title, help }, all, seen) {
   const ends = span(all);
   const range = rangesOf(state)[name];

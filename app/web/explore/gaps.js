@@ -213,7 +213,8 @@ function known(at) {
   return { domain, truth, said };
 }
 
-/** @param {number} at stop of the journey */
+/** Return what the head predicts for the chosen pair at a stop, and whether that is a guess.
+ * @param {number} at stop of the journey */
 function saidHtml(at) {
   const { journey } = scene.chosen;
   const { domain, truth, said } = known(at);

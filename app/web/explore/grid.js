@@ -29,7 +29,7 @@ function listed() {
   return { why: "unseen pairs are predicted wrong", pairs: wrong };
 }
 
-/** @param {Listed} listed */
+/** Return the heading of the listed pairs: how many are right, and their domains and classes. @param {Listed} listed */
 function heading({ points, why, pairs }) {
   const { frames, stop } = scene;
   if (why) return html`<h4>${pairs.length} ${why}</h4>`;

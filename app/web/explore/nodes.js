@@ -87,7 +87,7 @@ function angles({ layers, arrangement }) {
     <ul class="angles">${words}</ul>`;
 }
 
-/** @param {Tree} tree @param {boolean[]} fixed */
+/** Return the tree as a drawing; `fixed` marks the constant nodes. @param {Tree} tree @param {boolean[]} fixed */
 function drawTree({ classes, nodes, parents }, fixed) {
   const { depth, rows, across } = levelsOf(parents);
   const width = Math.max(LEAST, ...rows.map((row) => row.length * COLUMN));
@@ -111,7 +111,8 @@ function drawTree({ classes, nodes, parents }, fixed) {
 const short = (/** @type {string} */ name) => (name.length > LETTERS ? `${name.slice(0, LETTERS - 1)}…` : name);
 const isDeep = (/** @type {string} */ hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;
 
-/** @param {{norm: number, probabilities: number[], x: number, y: number, r: number}} node @param {number} number
+/** Return a node as a disc with its class and a bar of its probabilities.
+ * @param {{norm: number, probabilities: number[], x: number, y: number, r: number}} node @param {number} number
  * @param {string[]} classes @param {boolean} fixed */
 function disc({ norm, probabilities, x, y, r }, number, classes, fixed) {
   const { at, label, share } = best(classes, probabilities);

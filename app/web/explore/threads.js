@@ -34,6 +34,7 @@ const places = {};
 /** Return whether the page shows another set than the project's, whose bars then stand above those of the twins. */
 export const isOwn = () => scene.first === "analyse" && !held;
 
+/** Open the chapter: fetch the twins and their map, and draw them. */
 export async function open() {
   const [twins, twinsMap] = await Promise.all([fetchTwins(), fetchMap()]);
   send("arrived", { twins, twinsMap });
@@ -89,6 +90,7 @@ export function chooseSensor(domain) {
   showLayers();
 }
 
+/** Draw the chapter: choices, sensors, points and figures. */
 export function show() {
   if (!cloud) return;
   const { twins } = scene;
@@ -122,6 +124,7 @@ async function measure() {
 /** Return the place that is shown. */
 const placeNow = () => rungOf(state).map ?? 0;
 
+/** Show a button for each sensor, with the share of its own twins. */
 function showSensors() {
   const { twins, twinsMap, alone } = scene;
   const buttons = twins.domains.map(
@@ -133,6 +136,7 @@ function showSensors() {
   draw($(".sensors"), html`${buttons}`);
 }
 
+/** Show the points of each sensor in its colour. */
 function showLayers() {
   const { twins, twinsMap, alone } = scene;
   const { presses } = twinsMap;
@@ -176,7 +180,8 @@ function thread(context) {
   twins.forEach(([x, y], i) => (pictures ? tile(context, pictures, x, y, i) : dot(context, x, y, domainColour(i))));
 }
 
-/** @param {CanvasRenderingContext2D} context @param {HTMLImageElement} pictures @param {number} x @param {number} y
+/** Draw the touch of a press by one sensor, framed in its colour.
+ * @param {CanvasRenderingContext2D} context @param {HTMLImageElement} pictures @param {number} x @param {number} y
  * @param {number} domain */
 function tile(context, pictures, x, y, domain) {
   const side = pictures.naturalWidth / scene.twins.domains.length;
@@ -187,7 +192,8 @@ function tile(context, pictures, x, y, domain) {
   context.drawImage(pictures, domain * side, TOUCH * side, side, side, left, top, size, size);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {string} colour */
+/** Draw a dot with a rim.
+ * @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {string} colour */
 function dot(context, x, y, colour) {
   context.beginPath();
   context.arc(x, y, 6, 0, 7);

@@ -93,7 +93,7 @@ export function show(pointed = -1) {
   showFigures(at, figures);
 }
 
-/** @param {Chosen} at */
+/** Show the choices of press, look, pictures and reading. @param {Chosen} at */
 function showChoices(at) {
   const { domains, shown, pictures, classes } = scene.twins;
   const presses = shown.map((press, i) => ({

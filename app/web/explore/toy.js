@@ -47,7 +47,7 @@ const PLANES = new Scale({ wide: HALF, high: PLANE, pad: NONE, xs: [-ASIDE, ASID
 /** Draw the stop nearest to p; the first call fetches the toy. @param {number} p */
 export const show = (p) => attempt(async () => draw($(".toy"), toyHtml(await toyFacts(), p)), $(".toy"));
 
-/** @param {Toy} toy @param {number} p */
+/** Return the signals, the clouds and their distances at the stop nearest to p. @param {Toy} toy @param {number} p */
 function toyHtml(toy, p) {
   const { orders, signals, clouds, distances } = toy;
   const i = nearest(orders, p);

@@ -8,7 +8,7 @@ import { followTabs } from "../shared/tabs.js";
 import { showDefinitions } from "../shared/terms.js";
 import { startTour } from "./tour.js";
 
-/** @param {Found} root */
+/** Start the header: theme, tour, and the badge of simulated data. @param {Found} root */
 export function start(root) {
   followTheme(root.querySelector(".theme"));
   const tour = root.querySelector(".tour-start");
@@ -34,7 +34,7 @@ export function start(root) {
 
 export const THEME = "omnivat-theme"; // key of the chosen one in the browser
 
-/** @param {HTMLElement} button */
+/** Let the button switch between light and dark; printed pages are light. @param {HTMLElement} button */
 function followTheme(button) {
   const chosen = kept(THEME);
   if (chosen) document.body.classList.toggle("dark", chosen === "dark");

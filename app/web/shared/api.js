@@ -117,7 +117,8 @@ async function sent(path, { whole = true, begun, ...options } = {}) {
   }
 }
 
-/** @param {Promise<Response>} request @param {string} set */
+/** Return a response that is good and of the set as it was; throw a Refusal for any other.
+ * @param {Promise<Response>} request @param {string} set */
 async function checked(request, set) {
   const response = await request;
   const now = response.headers.get("X-Holds");
@@ -128,7 +129,8 @@ async function checked(request, set) {
   throw new Refusal(error || `The server refused (${response.status}).`, response.status);
 }
 
-/** @param {unknown} error @returns {never} */
+/** Throw an error as it is if it is a Refusal or a cancelled request, else a Refusal: the server is away.
+ * @param {unknown} error @returns {never} */
 function unheld(error) {
   throw isCancelled(error) || error instanceof Refusal ? error : new Refusal(AWAY);
 }
@@ -286,7 +288,8 @@ async function posted(path, question, signal, attached = [], begun = undefined) 
 export const ask = (path, question, signal, attached, begun) =>
   replied(answered(path, question, signal, attached, begun));
 
-/** @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached]
+/** Send a question; if the server forgot its pictures or profile, send those again with it.
+ * @param {string} path @param {Question} question @param {AbortSignal} [signal] @param {Blob[]} [attached]
  * @param {Sent["begun"]} [begun] */
 async function answered(path, question, signal, attached, begun) {
   const send = () => posted(path, question, signal, attached, begun);

@@ -311,7 +311,8 @@ const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
  * @param {(step: Step | null) => void} onWait @param {Named} named */
 export const fetchFrames = (onWait, named = {}) => awaited(fetched(onWait, named));
 
-/** @param {(step: Step | null) => void} onWait @param {Named} named */
+/** Fetch frames once the server has them; until then `onWait` gets its progress.
+ * @param {(step: Step | null) => void} onWait @param {Named} named */
 async function fetched(onWait, named) {
   const part = query({ ...named, part: "head" });
   const inFile = held && !fileOf(held, part); // a page of one file has the whole file

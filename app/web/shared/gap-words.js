@@ -38,7 +38,8 @@ function gapOver(frames, { id, title }) {
 const two = (/** @type {number} */ v) => v.toFixed(2);
 const at = (/** @type {number} */ p) => `at p = ${orderText(p)}`;
 
-/** @param {GapOver} gap @param {number} i its place in the sentence */
+/** Return the part of a sentence that states one gap's range over p or over the steps.
+ * @param {GapOver} gap @param {number} i its place in the sentence */
 function rangeOf({ title, raw, low, high, lowAt, highAt, by }, i) {
   const before = `(${two(raw)}${i ? "" : " in the embedding"})`;
   if (high - low < STILL) return html`the ${title} stays at <b>${two(low)}</b> ${before}`;

@@ -31,7 +31,8 @@ export function framesBy(name, own, onWait, onFiner) {
   return once(`by ${name}`, () => (isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner)));
 }
 
-/** @param {string} name @param {(step: Step | null) => void} onWait @param {() => void} onFiner */
+/** Fetch the frames of another head; `onFiner` is called once finer ones have come.
+ * @param {string} name @param {(step: Step | null) => void} onWait @param {() => void} onFiner */
 async function fetched(name, onWait, onFiner) {
   const { frames } = await fetchFrames(onWait, { head: name });
   frames.by = `the head ${name}`;

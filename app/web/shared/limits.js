@@ -8,7 +8,7 @@ const SIMULATED = html`These data are <b>simulated</b>: this project rendered al
   page describes a real sensor.`;
 const REAL = html`These are <b>real pairs</b>, according to the header of the file.`;
 
-/** @param {Frames} frames */
+/** Return what limits the figures of a set, one sentence each. @param {Frames} frames */
 function limitsOf(frames) {
   const { pairs, domains, headless, source, meta } = frames;
   const { encoder, origin, simulated } = meta.embeddings;

@@ -125,7 +125,7 @@ export function shapes(context, cloud, words) {
   context.fillText(words, cloud.width - 12, 23);
 }
 
-/** @param {Context} context @param {Point[] | null} polygon */
+/** Draw the lasso as it is dragged. @param {Context} context @param {Point[] | null} polygon */
 export function lassoLine(context, polygon) {
   if (!polygon || polygon.length < 2) return;
   context.fillStyle = "rgba(37, 99, 235, .12)";

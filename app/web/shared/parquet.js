@@ -66,7 +66,8 @@ const sized = (values) => values.flatMap((value) => [little(value.length), value
 /** @param {Uint8Array[]} parts */
 const length = (parts) => parts.reduce((sum, part) => sum + part.length, 0);
 
-/** @param {number[]} values @param {"int64" | "float" | "double"} kind */
+/** Return numbers as the bytes of their kind, lowest byte first.
+ * @param {number[]} values @param {"int64" | "float" | "double"} kind */
 function numbers(values, kind) {
   const size = kind === "float" ? 4 : 8;
   const view = new DataView(new ArrayBuffer(size * values.length));

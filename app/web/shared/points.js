@@ -36,7 +36,7 @@ export function stampShape(context, { shape, colour, radius, alpha }, place) {
   context.globalAlpha = 1;
 }
 
-/** @param {Style} style */
+/** Return the picture of a point's style; it is made once. @param {Style} style */
 function stamp(style) {
   const key = Object.values(style).join(" ");
   let found = stamps.get(key);

@@ -1,6 +1,6 @@
 /** Download a file. */
 
-/** @param {string} name @param {Blob | string} what a text is a table */
+/** Let the visitor save a file. @param {string} name @param {Blob | string} what a text is a table */
 export function save(name, what) {
   const blob = typeof what === "string" ? new Blob([what], { type: "text/csv" }) : what;
   const link = document.createElement("a");

@@ -32,6 +32,7 @@ export function nameDocument() {
   document.title = joined([named?.textContent?.trim(), "OmniVaT"], " · ");
 }
 
+/** Keep the open tab in the address, and open the tab that the address names. */
 export function followTabs() {
   const followed = (/** @type {Found} */ { target }) => {
     const tab = target.closest?.("[role=tab]");

@@ -113,7 +113,7 @@ export function draw(box, content) {
   return true;
 }
 
-/** @param {Node} box @param {Node} wanted */
+/** Make a box's nodes like the wanted ones, and leave those that are alike. @param {Node} box @param {Node} wanted */
 function follow(box, wanted) {
   const [old, made] = [box, wanted].map((one) => [...one.childNodes]);
   made.forEach((node, i) => {

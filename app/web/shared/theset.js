@@ -33,7 +33,7 @@ export function theSetSoon() {
   });
 }
 
-/** @param {string} set */
+/** Fetch the frames, thumbnails and facts of a set. @param {string} set */
 async function fetchAll(set) {
   /** The badge does not wait for the map. @param {Step | null} step */
   const tell = (step) => {

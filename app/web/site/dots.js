@@ -217,7 +217,7 @@ function between(dark, nodes, [a, b]) {
   return median(inside.map(([x, y]) => Math.floor(sumOf(dark, x - 1, y - 1, 3) / 9)));
 }
 
-/** @param {Plane} brightest @returns {Grid | null} */
+/** Return the grid of the printed dots, or null without one. @param {Plane} brightest @returns {Grid | null} */
 function findGrid(brightest) {
   const scale = reduction(brightest);
   const dark = darkness(reduced(brightest, scale));

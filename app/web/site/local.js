@@ -22,7 +22,8 @@ function loading({ data: { text, done, total } }) {
   note.textContent = `Once for this browser: ${[...coming.values()].join("; ")}`;
 }
 
-/** @param {Record<string, any>} message @param {AbortSignal | null} [signal]
+/** Send a message to the worker; return its reply.
+ * @param {Record<string, any>} message @param {AbortSignal | null} [signal]
  * @returns {Promise<{ status: number, value: any }>} */
 function sent(message, signal) {
   return new Promise((resolve, reject) => {

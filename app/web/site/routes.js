@@ -46,7 +46,7 @@ async function quietly(work) {
   }
 }
 
-/** @param {Desk} desk @param {any} question */
+/** Predict a pair at every stop and at the wanted p, as the server does. @param {Desk} desk @param {any} question */
 async function predicted(desk, question) {
   const found = await desk.resolved(question);
   const { pair, order, head } = found;

@@ -10,7 +10,8 @@ const OLD =
   "use one from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
-/** @param {string | URL} base @param {(url: URL, title: string) => Promise<ArrayBuffer>} bytes */
+/** Start the runtime; throws a Refusal where this browser cannot run it.
+ * @param {string | URL} base @param {(url: URL, title: string) => Promise<ArrayBuffer>} bytes */
 async function start(base, bytes) {
   if (!globalThis.WebAssembly?.validate(SIMD)) throw new Refusal(OLD);
   const [ort, program] = await Promise.all([

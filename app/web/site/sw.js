@@ -50,7 +50,8 @@ async function clear() {
   await worker.clients.claim();
 }
 
-/** @param {string[]} files */
+/** Keep files for a visit without a network, one after another, while nothing else is wanted.
+ * @param {string[]} files */
 async function keep(files) {
   const cache = await caches.open(NAME);
   for (const file of files.map(address)) {
