@@ -37,6 +37,7 @@ ORIENTATION = 0x0112  # tag of EXIF
 HEIC = (b"heic", b"heix", b"heim", b"heis", b"hevc")  # in the first box of such a file
 DOUBLE = {b"II": "F;64F", b"MM": "F;64BF"}  # a TIFF of 64-bit floats, by the order of its bytes
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
+MAX_JPEG_2000 = 24_000_000  # pixels, of which each takes 20 bytes to decode
 MAX_FILE_BYTES = 300_000_000
 MOST_SCANS = 100  # of a JPEG; ten are usual, and a hundred of 64 megapixels take 4 s
 MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
@@ -144,6 +145,7 @@ def opened(
     with _explained(name, f"is a damaged {kind} file"):
         image = Image.OPEN[kind][0](BytesIO(content), "")
     check_size(*image.size, name)
+    pixels = min(pixels, MAX_JPEG_2000) if kind == "JPEG2000" else pixels
     if kind != "JPEG" and image.width * image.height > pixels:
         raise DataError(
             f"'{name}' is {image.width} × {image.height} pixels; a {kind} file is read up to "

@@ -210,6 +210,13 @@ def test_rare_kinds_are_for_a_person_and_not_for_visitors():
             opened(content, "a", **VISITORS)
 
 
+def test_a_jpeg_2000_that_would_take_a_gigabyte_is_refused_by_its_header():
+    content = encoded(Image.new("RGB", (64, 64)), "JPEG2000")
+    size = content.index(b"ihdr") + 4
+    with pytest.raises(DataError, match="a JPEG2000 file is read up to 24 megapixels here"):
+        opened(content[:size] + struct.pack(">II", 5000, 5000) + content[size + 8 :], "a")
+
+
 def test_a_photo_of_50_megapixels_is_read_reduced_within_a_visitors_limits():
     content = encoded(Image.new("RGB", (8160, 6120), (10, 120, 200)), "JPEG", quality=30)
     image = upright(opened(content, "a", **VISITORS), "a")
