@@ -129,7 +129,7 @@ def _torch_frft2d() -> dict[str, Method]:
         far = (orders.abs() < 0.5) | (orders.abs() > 1.5)  # from the spectrum, an order less
         near = torch.where(far, torch.remainder(orders + 1, 4) - 2, orders)
         into, low, high, out, scale = parts._axis_terms(x.shape[-1], near[None], field.dtype)
-        doubled = (parts._interp2x_last(one)[None] for one in (turned, field))
+        doubled = (parts._interp2x_last(values)[None] for values in (turned, field))
         source = torch.where(far[:, None, None], *doubled)
         found = parts._chirp_conv_last(source, *(term[0][:, None] for term in (into, low, high)))
         found = found * (out[0] * scale[0][:, None])[:, None]

@@ -172,13 +172,13 @@ def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
         for path in ("omnivat/frames", "omnivat/about", "omnivat/pairs"):
             with urlopen(address + path) as reply:
                 reply.read()
-        one = Visitor(address, 0)
+        client = Visitor(address, 0)
         found = {"first_page_s": first, "first_page_mb": resident_mb(process)}
-        one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
-        one.own_pair(0)  # loads the encoder
-        found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
-        found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
-        training = small_training(one)
+        client.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
+        client.own_pair(0)  # loads the encoder
+        found["own_pair_s"] = statistics.median(client.own_pair(k) for k in range(1, PAIRS + 1))
+        found["profile_s"] = statistics.median(client.profile(100 * k) for k in (1, 2, 3))
+        training = small_training(client)
         everybody = [Visitor(address, k) for k in range(visitors)]
         with ThreadPoolExecutor(visitors) as crowd:
             visits = crowd.map(

@@ -262,11 +262,11 @@ def check_report(count: Count) -> None:
     as_it_comes = by_rung["none"]
     for name, row in table(document("docs/benchmarks/table.md"), "| method | heads").items():
         mean, own = as_it_comes[f"{METHODS[name]}_mean"], as_it_comes[METHODS[name]]
-        one = {
+        single = {
             source: {place: [fmean(seeds)] for place, seeds in targets.items()}
             for source, targets in own.items()
         }
-        for cell, cells in zip(row[1:], (own, mean, minus(mean, one)), strict=True):
+        for cell, cells in zip(row[1:], (own, mean, minus(mean, single)), strict=True):
             count.text(f"averaged, {name}", cell, drawn(cells))
 
 

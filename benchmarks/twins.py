@@ -81,7 +81,7 @@ def by_relief(pictures: Sequence[Array], count: int, classes: int, encoder: Any)
     picture, by each touch's own.
     """
     found = np.full((len(LIT), PARTS, count, encoder.width), np.nan, np.float32)
-    alone = embedded(encoder, [drawn(one, dots="keep") for one in pictures[:count]])
+    alone = embedded(encoder, [drawn(touch, dots="keep") for touch in pictures[:count]])
     for r, number in enumerate(LIT):
         for k, (part, pool) in enumerate(pools(count, number, classes, seed=0)):
             read = np.union1d(part, pool)

@@ -108,7 +108,7 @@ def first(resources: Resources) -> Reply:
         torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac")
     )
     looks = head.familiarity.look(vis, tac)
-    least = [min(one["quantile"] for one in look.values()) for look in looks]
+    least = [min(image["quantile"] for image in look.values()) for look in looks]
     best = int(np.argmax(least))
     return {"ref": refs[int(rows[best])] if least[best] >= UNLIKE else None}
 

@@ -45,10 +45,10 @@ def run(options: argparse.Namespace) -> None:
     for file in filter(None, (options.json, options.markdown)):
         require_writable(file)
     named: dict[str, Path] = {}
-    for one in options.sets:
-        name, equals, file = one.partition("=")
-        if not equals or Path(one).exists():
-            name, file = Path(one).stem, one
+    for given in options.sets:
+        name, equals, file = given.partition("=")
+        if not equals or Path(given).exists():
+            name, file = Path(given).stem, given
         if name in named:
             raise SettingsError(f"Two sets are called '{name}'; name one with NAME=FILE.")
         named[name] = Path(file)

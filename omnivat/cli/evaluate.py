@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> None:
             **passed(options, "seed", "order", "draws"),
             on_step=show,
         )
-    by_name = {one["domain"]: one for one in record["domains"]}
+    by_name = {entry["domain"]: entry for entry in record["domains"]}
     for profile in loaded:
         domain = domain_of(profile, embeddings.header.domains, head.source)
         by_name[domain]["known_pairs"] = max(profile.counts.values())

@@ -122,7 +122,7 @@ def made_by(encoder: "Encoder") -> tuple[str, ...]:
     """Return what an embedding depends on beside its image, for caches and unfinished files."""
     if isinstance(encoder, PairEncoder):
         drawn = encoder.of if isinstance(encoder, ReliefDrawn) else {}
-        lit = (part for name, one in drawn.items() for part in (name, *made_by(one)))
+        lit = (part for name, drawing in drawn.items() for part in (name, *made_by(drawing)))
         return *made_by(encoder.vis), *made_by(encoder.tac), *lit
     probe = getattr(encoder, "probe", "")
     return encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing, probe

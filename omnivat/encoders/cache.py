@@ -198,13 +198,13 @@ def embed_pair(
     Raises DataError as `read_image` does.
     """
 
-    def one(source: Source | None, modality: str, **views: Any) -> Array | None:
+    def embedded(source: Source | None, modality: str, **views: Any) -> Array | None:
         if source is None:
             return None
         name = f"the {modality.upper()} image"
         return embed_image(for_modality(encoder, modality), source, cache, name=name, **views)
 
-    return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest, way=tac_way)
+    return embedded(vis, "vis"), embedded(tac, "tac", crop=tac_crop, rest=tac_rest, way=tac_way)
 
 
 def _keys(

@@ -70,13 +70,13 @@ def pack_weights(file: Path) -> None:
     graph, nodes, floats = model.graph, [], onnx.TensorProto.FLOAT
     make, tensor = onnx.helper.make_node, onnx.numpy_helper.from_array
     large = [i for i in graph.initializer if i.data_type == floats and math.prod(i.dims) >= LARGE]
-    for one in large:
-        values, name = onnx.numpy_helper.to_array(one), one.name
+    for weight in large:
+        values, name = onnx.numpy_helper.to_array(weight), weight.name
         top = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
         rest = 5 if values.size >= LARGEST else 6  # bits beyond the upper 8
         scale = np.maximum(top, 1e-30).astype(np.float32) / (2 ** (7 + rest) - 1)
         upper, lower = np.divmod(np.rint(values / scale), 2**rest)
-        graph.initializer.remove(one)
+        graph.initializer.remove(weight)
         for part, whole, unit in (("upper", upper, 2**rest * scale), ("lower", lower, scale)):
             own = f"{name}/{part}"
             graph.initializer.append(tensor(whole.astype(np.int8), f"{own}/whole"))

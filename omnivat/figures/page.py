@@ -61,7 +61,7 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
         "policy": POLICY,
         "title": escape(title),
         "body": heading + body,
-        "figures": _held("[" + ",".join(_json(one) for one in figures) + "]"),
+        "figures": _held("[" + ",".join(_json(drawn) for drawn in figures) + "]"),
         "templates": _held(json.dumps({n: TEMPLATES[n].to_plotly_json() for n in THEMES})),
         "config": json.dumps(CONFIG),
         "library": _library(),

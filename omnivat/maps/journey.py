@@ -178,11 +178,11 @@ def journey(
 def placed_at(stops: Sequence[MapStop], name: str, queries: Tensor) -> Tensor:
     """Return the places of rows (P, Q, D) on the maps of one method at P stops, (P, Q, 2)."""
     known = [stop.affine[name] for stop in stops]
-    if all(one is None for one in known):
+    if all(linear is None for linear in known):
         return place_each(queries, [stop.points for stop in stops], [s.flat[name] for s in stops])
     return torch.stack(
         [
-            placed_by(one, rows, stop.points, stop.flat[name])
-            for one, rows, stop in zip(known, queries, stops, strict=True)
+            placed_by(linear, rows, stop.points, stop.flat[name])
+            for linear, rows, stop in zip(known, queries, stops, strict=True)
         ]
     )

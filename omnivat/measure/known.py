@@ -198,8 +198,8 @@ def measured(
     nothing = np.full((len(seeds), len(label)), -1, np.int32)
     said = {"fused": nothing.copy()}  # by reading: (draws, N) predicted class; -1: not tested
     domains: dict[str, dict[str, Any]] = {}
-    for k, one in enumerate(seeds):
-        for index, part in enumerate(parts(head, embeddings, known, seed=one)):
+    for k, draw_seed in enumerate(seeds):
+        for index, part in enumerate(parts(head, embeddings, known, seed=draw_seed)):
             rows = part.rows[label[part.rows] >= 0]
             if k and part.reader is head and not part.known_pairs:  # as in the first draw
                 answers = {name: values[0, rows] for name, values in said.items()}
@@ -233,11 +233,16 @@ def measured(
         first = rows[made[0]]
         both = torch.from_numpy(label[first]), torch.from_numpy(said["fused"][0, first])
         found["confusion"] = confusion(*both, count).tolist()
-    targets = [one for one in domains.values() if not one["is_source"]]
-    away = np.array([not one["is_source"] for one in domains.values()], bool)[embeddings.domain]
+    targets = [domain for domain in domains.values() if not domain["is_source"]]
+    away = np.array([not domain["is_source"] for domain in domains.values()], bool)[
+        embeddings.domain
+    ]
     means = shares(np.flatnonzero(away))
     f1 = {
-        name: {m: fmean(one["scores"][name][m] for one in targets if one["scores"]) for m in F1}
+        name: {
+            m: fmean(domain["scores"][name][m] for domain in targets if domain["scores"])
+            for m in F1
+        }
         for name in means
     }
     return {
@@ -246,7 +251,7 @@ def measured(
         "source": head.source,
         "classes": list(names[:count]),
         **_ends(means.get("fused", {})),
-        "pairs": sum(one["pairs"] for one in targets),
+        "pairs": sum(domain["pairs"] for domain in targets),
         "draws": means["fused"]["draws"] if means else [],
         "scores": {name: _ends(share) | f1[name] for name, share in means.items()},
         "domains": list(domains.values()),
@@ -292,12 +297,14 @@ def at_home(found: Mapping[str, Any]) -> dict[str, Any]:
     """Return a record of `measured` with the source in place of the targets; its "accuracy" is
     None without test pairs that the head has not learned.
     """
-    home = [one for one in found["domains"] if one["is_source"] and not one["trained_on"]]
+    home = [
+        domain for domain in found["domains"] if domain["is_source"] and not domain["trained_on"]
+    ]
     scores = home[0]["scores"] if home else {}
     return {
         **found,
         **_ends(scores.get("fused", {})),
-        "pairs": sum(one["pairs"] for one in home),
+        "pairs": sum(domain["pairs"] for domain in home),
         "draws": home[0]["draws"] if home else [],
         "scores": scores,
         "domains": home,

@@ -129,8 +129,8 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         return shown(record(values, domain, embeddings.header.domains, embeddings.objects))
 
     summary, one_domain = bars(found), np.zeros_like(domain)
-    for index, one in enumerate(summary["domains"]):
-        one["retrieval"] = share(retrieved, domain == index)
+    for index, entry in enumerate(summary["domains"]):
+        entry["retrieval"] = share(retrieved, domain == index)
     summary["unseen"]["retrieval"] = share(retrieved, unseen)
     masks = {name: counts & (domain == k) for k, name in enumerate(embeddings.header.domains)}
     masks[UNSEEN] = unseen

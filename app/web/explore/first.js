@@ -51,7 +51,7 @@ function move() {
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);
   const opened = /** @type {NodeListOf<HTMLElement>} */ (shell.querySelectorAll(":popover-open"));
   for (const [part, at] of places) at.append(part);
-  for (const one of opened) one.showPopover();
+  for (const popover of opened) popover.showPopover();
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
   bringIntoSight(); // an element that moves is no longer scrolled

@@ -76,7 +76,7 @@ async function offer() {
     }),
   );
   const others = (await heads().catch(() => [])).filter(({ name, problem }) => name && !problem);
-  for (const one of others) groups[0].rows.push([headText({ head: one.name }), headLabel(one)]);
+  for (const head of others) groups[0].rows.push([headText({ head: head.name }), headLabel(head)]);
   put(
     $(".of-head"),
     html`${groups.map(({ title, rows }) =>
@@ -314,8 +314,8 @@ export function light(node = scene.node) {
     send("arrived", { node });
     map.paintMarks();
   }
-  for (const one of $(".tree-now").querySelectorAll("[data-node]"))
-    one.classList.toggle("lit", +one.dataset.node === node);
+  for (const disc of $(".tree-now").querySelectorAll("[data-node]"))
+    disc.classList.toggle("lit", +disc.dataset.node === node);
 }
 
 /** Let one domain stand out; again, all. @param {string} [name] */

@@ -40,10 +40,10 @@ const within = (text, list) => (Number(text) in list ? Number(text) : 0);
  * @param {Pick<Twins, "shown" | "domains" | "verdicts">} twins @param {Pick<State, "press">} address */
 export function pressOf({ shown, domains, verdicts }, { press }) {
   if (press !== "") return within(press, shown);
-  const right = shown.map((one, i) =>
-    one.looks_like || one.feels_like
+  const right = shown.map((candidate, i) =>
+    candidate.looks_like || candidate.feels_like
       ? -1
-      : domains.filter((_, k) => +verdicts.touch[0][1][0][i * domains.length + k] === one.class).length,
+      : domains.filter((_, k) => +verdicts.touch[0][1][0][i * domains.length + k] === candidate.class).length,
   );
   return right.indexOf(Math.max(...right));
 }

@@ -22,7 +22,7 @@ function unpacked({ kind, steps, data }) {
 /** @template {string} Name @param {Record<Name, Packed>} all */
 const each = (all) =>
   /** @type {Record<Name, Numbers>} */ (
-    Object.fromEntries(Object.entries(all).map(([name, one]) => [name, unpacked(/** @type {Packed} */ (one))]))
+    Object.fromEntries(Object.entries(all).map(([name, packed]) => [name, unpacked(/** @type {Packed} */ (packed))]))
   );
 
 /** Fetch the accuracy in unseen domains; values of each pair are typed arrays. @returns {Promise<Unseen>} */

@@ -198,7 +198,7 @@ export class Frames {
         ? map
         : { ...map, orders: map.orders.map((stop) => stops.indexOf(stop)).map((at) => (at < 0 ? Infinity : at)) };
     const entries = (/** @type {Record<string, any>} */ all, /** @type {(one: any) => any} */ change) =>
-      Object.fromEntries(Object.entries(all).map(([name, one]) => [name, change(one)]));
+      Object.fromEntries(Object.entries(all).map(([name, entry]) => [name, change(entry)]));
     /** @type {Frames} */
     const made = Object.assign(Object.create(this), {
       whole: this,
@@ -207,7 +207,7 @@ export class Frames {
       meta: {
         ...meta,
         orders: of(orders),
-        curves: entries(meta.curves, (one) => of(one)),
+        curves: entries(meta.curves, (curve) => of(curve)),
         maps: entries(meta.maps, mapped),
       },
     });

@@ -86,12 +86,12 @@ export function settled(groups, of, cloud, shown) {
     if (shown(point)) members[of(point % (cloud.count / 2))]?.push([cloud.x[point], cloud.y[point]]);
   return groups.map((group, i) => {
     /** @param {Point} place */
-    const around = ([x, y]) => members[i].filter((one) => (one[0] - x) ** 2 + (one[1] - y) ** 2 < reach);
+    const around = ([x, y]) => members[i].filter((member) => (member[0] - x) ** 2 + (member[1] - y) ** 2 < reach);
     let near = group.both ? around(group.both) : [];
     const least = CROWD * near.length; // a name leaves its mean for a far larger crowd only
     const every = Math.ceil(members[i].length / TRIES);
-    for (let one = 0; one < members[i].length; one += every) {
-      const there = around(members[i][one]);
+    for (let k = 0; k < members[i].length; k += every) {
+      const there = around(members[i][k]);
       if (there.length > Math.max(least, near.length)) near = there;
     }
     const [x, y] = [0, 1].map((axis) => mean(near.map((place) => place[axis])));

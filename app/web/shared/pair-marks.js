@@ -88,7 +88,7 @@ export function pairMarks(context, cloud, { journey, before, lit = -1 }) {
   context.lineJoin = context.lineCap = "round";
   const images = IMAGES.filter((name) => there(places[name]));
   for (const name of images) {
-    const earlier = before.flatMap((one) => (one[name] ? [cloud.spot(/** @type {Point} */ (one[name]))] : []));
+    const earlier = before.flatMap((place) => (place[name] ? [cloud.spot(/** @type {Point} */ (place[name]))] : []));
     const way = [...earlier, places[name]];
     for (let i = 1; i < way.length; i++) {
       context.globalAlpha = (0.75 * i) / way.length;

@@ -125,15 +125,16 @@ export const saidOf = ({ answered, prediction, pairs }, pair, stop) =>
 const COLOURINGS = TABLES.colours.map((row) => ({ ...row, ...(row.column ? byColumn(row.column) : KNOWN[row.id]) }));
 
 /** @param {Numbers} all */
-const differ = (all) => all.some((one) => one !== all[0]);
+const differ = (all) => all.some((value) => value !== all[0]);
 
 /** Return whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence.
  * @param {Colourable} frames @param {Colouring} row */
 const fits = (frames, { needs = [], values }) =>
   (!values || differ(values(frames))) &&
   needs.every(
-    (one) =>
-      ({ head: !frames.headless, classes: frames.labelled })[one] ?? (has(frames, one) && frames.confidence.length > 0),
+    (need) =>
+      ({ head: !frames.headless, classes: frames.labelled })[need] ??
+      (has(frames, need) && frames.confidence.length > 0),
   );
 
 /** Return the colourings that frames have. @param {Colourable} frames */

@@ -34,7 +34,7 @@ export function strangers({ domains, source, domain }) {
  * known.
  * @param {Frames} frames @param {{domains: {is_source?: boolean, pairs: number}[]} | null} [unseen] */
 export function unseenPairs(frames, unseen) {
-  const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
+  const count = unseen?.domains.reduce((sum, domain) => sum + (domain.is_source ? 0 : domain.pairs), 0);
   const many = strangers(frames);
   const all = many === 1 ? "1 unseen domain" : `${many} unseen domains`;
   const mean = `${many === 1 ? "" : "mean of "}${all}`;

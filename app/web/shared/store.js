@@ -210,6 +210,6 @@ export const hidden = (kind, address = state) =>
 export function toggle(kind, name) {
   const names = hidden(kind);
   if (!names.delete(name)) names.add(name);
-  const packed = [...names].map((one) => one.replace(/[%~]/g, (sign) => (sign === "%" ? "%25" : "%7E")));
+  const packed = [...names].map((entry) => entry.replace(/[%~]/g, (sign) => (sign === "%" ? "%25" : "%7E")));
   change({ [kind]: packed.join("~") });
 }

@@ -115,7 +115,7 @@ export function draw(box, content) {
 
 /** Make a box's nodes like the wanted ones, and leave those that are alike. @param {Node} box @param {Node} wanted */
 function follow(box, wanted) {
-  const [old, made] = [box, wanted].map((one) => [...one.childNodes]);
+  const [old, made] = [box, wanted].map((parent) => [...parent.childNodes]);
   made.forEach((node, i) => {
     const there = old[i];
     if (!there) box.appendChild(node);

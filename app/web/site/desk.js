@@ -54,7 +54,7 @@ export class Desk extends Models {
     /** @type {Record<string, any>[]} */
     const pictures = [];
     for (const [at, content] of files.entries()) pictures.push(await this.taken(content, names[at] ?? ""));
-    const problem = pictures.map((one) => one.problem).find(Boolean);
+    const problem = pictures.map((picture) => picture.problem).find(Boolean);
     if (problem) return { problem, pictures };
     const read = (/** @type {any} */ ref) => pictures[Number(/^file:(\d+)$/.exec(ref)?.[1] ?? -1)]?.ref ?? ref;
     return { ...(await work(withImages(question, read))), pictures };

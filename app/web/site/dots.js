@@ -28,30 +28,32 @@ function plane(width, height, make) {
 }
 
 /** Return the value at a place; beyond the edge, that of the edge.
- * @param {Plane} one @param {number} x @param {number} y */
+ * @param {Plane} source @param {number} x @param {number} y */
 const valueAt = ({ width, height, values }, x, y) =>
   values[Math.min(Math.max(y, 0), height - 1) * width + Math.min(Math.max(x, 0), width - 1)];
 
 /** Return the sum of a square of pixels, by its first pixel.
- * @param {Plane} one @param {number} left @param {number} top
+ * @param {Plane} source @param {number} left @param {number} top
  * @param {number} size */
-function sumOf(one, left, top, size) {
+function sumOf(source, left, top, size) {
   let total = 0;
-  for (let y = top; y < top + size; y++) for (let x = left; x < left + size; x++) total += valueAt(one, x, y);
+  for (let y = top; y < top + size; y++) for (let x = left; x < left + size; x++) total += valueAt(source, x, y);
   return total;
 }
 
-/** Return the sums of the squares that are up to `reach` around each pixel. @param {Plane} one @param {number} reach */
-const sums = (one, reach) => plane(one.width, one.height, (x, y) => sumOf(one, x - reach, y - reach, 2 * reach + 1));
+/** Return the sums of the squares that are up to `reach` around each pixel.
+ * @param {Plane} source @param {number} reach */
+const sums = (source, reach) =>
+  plane(source.width, source.height, (x, y) => sumOf(source, x - reach, y - reach, 2 * reach + 1));
 
 /** Return the largest or smallest value of the square of pixels that are at most `reach` from each pixel.
- * @param {Plane} one @param {number} reach @param {(...values: number[]) => number} fold */
-function extremes(one, reach, fold = Math.max) {
+ * @param {Plane} source @param {number} reach @param {(...values: number[]) => number} fold */
+function extremes(source, reach, fold = Math.max) {
   const wider = (/** @type {Plane} */ from, /** @type {number} */ right, /** @type {number} */ down) =>
-    plane(one.width, one.height, (x, y, at) =>
+    plane(source.width, source.height, (x, y, at) =>
       fold(from.values[at], valueAt(from, x - right, y - down), valueAt(from, x + right, y + down)),
     );
-  let now = one;
+  let now = source;
   for (let done = 0, step = 0; done < reach; done += step) {
     step = Math.min(2 * done + 1, reach - done);
     now = wider(wider(now, step, 0), 0, step);
@@ -84,13 +86,13 @@ function groups(good, links) {
  * @returns {(at: number) => number[]} */
 const edges = (width) => (at) => [at - width, at + width, at % width ? at - 1 : -1, (at + 1) % width ? at + 1 : -1];
 
-/** @param {Plane} one */
+/** @param {Plane} source */
 const reduction = ({ width, height }) => Math.max(1, even(Math.min(width, height) / SIDE));
 
-/** Return the means of squares of `scale` pixels. @param {Plane} one @param {number} scale */
-const reduced = (one, scale) =>
-  plane(Math.floor(one.width / scale), Math.floor(one.height / scale), (x, y) =>
-    Math.floor(sumOf(one, x * scale, y * scale, scale) / scale ** 2),
+/** Return the means of squares of `scale` pixels. @param {Plane} source @param {number} scale */
+const reduced = (source, scale) =>
+  plane(Math.floor(source.width / scale), Math.floor(source.height / scale), (x, y) =>
+    Math.floor(sumOf(source, x * scale, y * scale, scale) / scale ** 2),
   );
 
 /** Return how dark each pixel is beside what is around it, 0 to 255. @param {Plane} brightest */

@@ -67,6 +67,6 @@ export const FOREST = {
     const all = await featuresOf(desk, await desk.head(), stage, order, stopped);
     const { rules } = await desk.about();
     const near = nearest(all, all[point], rules.neighbours, point);
-    return { neighbours: near.map((one) => ({ ...one, cosine: rounded(one.cosine, 4) })) };
+    return { neighbours: near.map((neighbour) => ({ ...neighbour, cosine: rounded(neighbour.cosine, 4) })) };
   },
 };

@@ -85,7 +85,7 @@ export class Models {
   async rule(name, ...given) {
     const file = `../${name}.onnx`;
     const { inputNames, outputNames } = await this.session(file, "");
-    const inputs = given.map((one, i) => [inputNames[i], tensorOf(one)]);
+    const inputs = given.map((input, i) => [inputNames[i], tensorOf(input)]);
     const out = await this.ran(file, Object.fromEntries(inputs));
     return outputNames.map((/** @type {string} */ output) => out[output]);
   }

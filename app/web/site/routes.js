@@ -59,7 +59,7 @@ async function predicted(desk, question) {
   const shown = READINGS.filter((name) => readings[name]);
   return {
     ...{ classes, learned, span, linear, images },
-    stops: named(shown.map((name) => [name, each.map((one) => one[name])])),
+    stops: named(shown.map((name) => [name, each.map((reading) => reading[name])])),
     exact: { order: exact, readings },
     spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], stops.length)])),
   };

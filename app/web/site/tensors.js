@@ -31,13 +31,13 @@ export function tensors(buffer, name = "the file") {
   }
 }
 
-/** Return a number or a vector as a tensor. @param {Tensor | Floats | number} one @returns {Tensor} */
-export function tensorOf(one) {
-  if (typeof one === "number") return { values: Float64Array.of(one), shape: [] };
-  return "shape" in one ? one : { values: one, shape: [one.length] };
+/** Return a number or a vector as a tensor. @param {Tensor | Floats | number} given @returns {Tensor} */
+export function tensorOf(given) {
+  if (typeof given === "number") return { values: Float64Array.of(given), shape: [] };
+  return "shape" in given ? given : { values: given, shape: [given.length] };
 }
 
-/** Vectors of one length as the rows of a tensor. @param {ArrayLike<number>[]} rows @returns {Tensor} */
+/** Return vectors of one length as the rows of a tensor. @param {ArrayLike<number>[]} rows @returns {Tensor} */
 export function stacked(rows) {
   const values = new Float32Array(rows.length * rows[0].length);
   for (const [i, row] of rows.entries()) values.set(row, i * row.length);

@@ -111,10 +111,10 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     drawn = random.integers(len(names), size=(1000, len(names)))
     nothing = np.full((len(names), len(names)), np.nan)
     tables = {measure: nothing.copy() for measure in (*MEASURES, *UNEVEN)}
-    for one in records:
-        if one["modality"] == view:
-            place = names.index(one["from"]), names.index(one["to"])
-            tables[one["measure"]][place] = one["value"]
+    for row in records:
+        if row["modality"] == view:
+            place = names.index(row["from"]), names.index(row["to"])
+            tables[row["measure"]][place] = row["value"]
     home, away, known = (tables[measure] for measure in MEASURES)
     tables["loss: home less away"] = np.diag(home)[:, None] - away
     tables["gain of the profile"] = known - away

@@ -62,7 +62,7 @@ def write_report(
     words = methods(features, seed)
     table, text, page = (out / name for name in ("numbers.csv", "methods.txt", "report.html"))
     with nothing_left(out):
-        write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
+        write_csv(table, COLUMNS, ([row[name] for name in COLUMNS] for row in records))
         write_text(text, words + "\n")
         files = [
             figures.write(page.parent / "figures" / f"{name}.svg", chart)
@@ -171,13 +171,13 @@ def _charts(features: Features, records: Sequence[Record]) -> Drawn:
 
 def _few(records: Sequence[Record], key: str = "modality") -> list[Record]:
     """Return the records of the first MOST_ROWS domains."""
-    names = list(dict.fromkeys(one[key] for one in records))[:MOST_ROWS]
-    return [one for one in records if one[key] in names]
+    names = list(dict.fromkeys(row[key] for row in records))[:MOST_ROWS]
+    return [row for row in records if row[key] in names]
 
 
 def _means(records: Sequence[Record], *parts: str) -> list[Record]:
     """Return the means of some parts: they have a note."""
-    return [one for one in records if one["part"] in parts and one["note"]]
+    return [row for row in records if row["part"] in parts and row["note"]]
 
 
 def _gap_record(
@@ -189,9 +189,9 @@ def _gap_record(
     if not names:
         return None
     tables = {m: {a: dict.fromkeys(names, 0.0) for a in names} for m in features.modalities}
-    for one in own:
-        a, b = one["from"], one["to"]
-        tables[one["modality"]][a][b] = tables[one["modality"]][b][a] = one["value"]
+    for row in own:
+        a, b = row["from"], row["to"]
+        tables[row["modality"]][a][b] = tables[row["modality"]][b][a] = row["value"]
     between = _means(_among(records, measure=measure), "modality gap")
     data, floors = features.embeddings, _floors(records)
     return {
@@ -244,11 +244,11 @@ def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: st
 
 def _gap_table(means: Sequence[Record], floors: dict[tuple[str, str], float]) -> str:
     cells = []
-    for one in means:
-        modality, measure = one["modality"], one["measure"]
+    for row in means:
+        modality, measure = row["modality"], row["measure"]
         what = f"between domains, {VIEWS[modality]}" if modality else "between photos and touches"
         level = _number(floors.get((measure, modality)))
-        cells.append((NAMES[measure], what, _number(one["value"]), _ends(one), level))
+        cells.append((NAMES[measure], what, _number(row["value"]), _ends(row), level))
     head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
     return _table(head, cells, words=2)
 
