@@ -73,6 +73,7 @@ FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
 COMMANDS: dict[str, Any] = {
     name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in SUMMARIES
 }
+STOPS = (signal.SIGINT, signal.SIGTERM)
 PURPOSE = "See why a model trained on one tactile sensor fails on the next."
 
 
@@ -160,6 +161,12 @@ def main(
         print(f"{program} {options.command}: {what}", file=sys.stderr)
         _drop_output()
         return 1
+    finally:
+        if (
+            arguments is None
+        ):  # a signal while Python ends would change the status
+            for number in STOPS:
+                signal.signal(number, signal.SIG_IGN)
     return 0
 
 
@@ -174,7 +181,7 @@ def _stop_cleanly() -> None:
             raise KeyboardInterrupt(number)
         Timer(0.05, signal.raise_signal, (number,)).start()
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in STOPS:
         if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
             signal.signal(number, stop)
 

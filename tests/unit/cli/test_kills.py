@@ -138,6 +138,18 @@ def test_a_command_that_is_stopped_while_torch_loads_ends_in_a_sentence(monkeypa
     assert reached and capsys.readouterr().err == "Stopped. Nothing is half-written.\n"
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_python_ends_after_a_command_changes_nothing(number):
+    script = (
+        "import atexit, sys; from signal import raise_signal; from types import SimpleNamespace;"
+        f" atexit.register(raise_signal, {int(number)}); from omnivat.cli import main;"
+        " work = SimpleNamespace(__doc__='It works.', add=lambda _: None, run=lambda _: None);"
+        " sys.exit(main(commands={'works': work}))"
+    )
+    done = subprocess.run([sys.executable, "-c", script, "works"], capture_output=True, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def shown(folder):
     """Return the files of a folder that are not a writer's own temporary ones."""
     return [
