@@ -162,9 +162,7 @@ def main(
         _drop_output()
         return 1
     finally:
-        if (
-            arguments is None
-        ):  # a signal while Python ends would change the status
+        if arguments is None:  # a signal while Python ends would change the status
             for number in STOPS:
                 signal.signal(number, signal.SIG_IGN)
     return 0
