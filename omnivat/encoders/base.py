@@ -267,10 +267,10 @@ def _load_one(
     made = made.at(layer) if layer else made
     if sensor:
         made.sensor = sensor
-    listed = named and getattr(made, "name", "") in ENCODERS  # an entry of one's own names none
-    encoder: Encoder = made if listed else checked(made, name)
-    if listed and (sensor or layer):
-        encoder.name += name.removeprefix(plain)
+    encoder: Encoder = made if named else checked(made, name)
+    if named:  # an entry of one's own names none
+        own = encoder.name if encoder.name in ENCODERS else plain
+        encoder.name = own + name.removeprefix(plain)
     if given is None and plain.startswith(HUB):
         given = Path(plain.removeprefix(HUB))  # a folder, or a name on the hub
     if given and given.exists():
