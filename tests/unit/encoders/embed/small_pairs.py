@@ -13,7 +13,8 @@ from omnivat.encoders.embed import embed_pairs
 class MeanColour:
     """A quick encoder: the mean colour of each half of the image."""
 
-    name, width, preprocessing, precision, weights_hash = "efficientnet-lite0", 6, "none", "fp32", "0"
+    name, width = "efficientnet-lite0", 6
+    preprocessing, precision, weights_hash = "none", "fp32", "0"
 
     def preprocess(self, image):
         return torch.from_numpy(np.array(image)).permute(2, 0, 1).float()
