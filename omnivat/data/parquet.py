@@ -75,11 +75,10 @@ def _read(place: Path, what: str, **of: Any) -> tuple[Any, bytes]:
 
 def part(_: bytes, *, file: str, what: str, **of: Any) -> tuple[Any, bytes]:
     """Return what is wanted of a file. Runs in the limited process."""
-    from pyarrow.parquet import ParquetFile, read_table
+    from pyarrow.parquet import read_table
 
     if what == "names":
-        with ParquetFile(file) as handle:
-            return handle.schema_arrow.names, b""
+        return _opened(file)[1].names, b""
     if what == "column":
         return sent(_column(file, **of))
     if what == "pictures":
@@ -100,10 +99,23 @@ def _content(cell: Any) -> bytes:
     return content if isinstance(content, bytes) else b""
 
 
-def _column(file: str, name: str) -> NDArray[Any]:
-    from pyarrow.parquet import read_table
+def _opened(file: str) -> tuple[Any, Any]:
+    """Return a file and its schema, which are read once: a set may have a column for each number of
+    its vectors.
+    """
+    now = Path(file).stat()
+    return _opened_at(file, now.st_mtime_ns, now.st_size)
 
-    table = read_table(file, columns=[name])
+
+@lru_cache(maxsize=1)
+def _opened_at(file: str, *_: int) -> tuple[Any, Any]:
+    from pyarrow.parquet import ParquetFile
+
+    return (handle := ParquetFile(file)), handle.schema_arrow
+
+
+def _column(file: str, name: str) -> NDArray[Any]:
+    table = _opened(file)[0].read(columns=[name])
     column = table.column(0)
     if str(column.type).startswith("dictionary"):  # categories of pandas
         column = column.cast(column.type.value_type)
@@ -129,26 +141,24 @@ def _starts(handle: Any) -> list[int]:
 def _pictures(file: str, name: str) -> dict[str, Any]:
     """Return how many pictures a column has, and of lists their lengths; {} without any."""
     from pyarrow import compute, types
-    from pyarrow.parquet import ParquetFile
 
-    with ParquetFile(file) as handle:
-        schema, starts = handle.schema_arrow, _starts(handle)
-        item, depth = schema.types[schema.names.index(name)], 0
-        item = getattr(item, "storage_type", item)
-        while hasattr(item, "value_type"):
-            item, depth = item.value_type, depth + 1
-        listed = depth == (4 if types.is_integer(item) else 1)
+    (handle, schema), depth = _opened(file), 0
+    starts, item = _starts(handle), schema.field(schema.get_all_field_indices(name)[0]).type
+    item = getattr(item, "storage_type", item)
+    while hasattr(item, "value_type"):
+        item, depth = item.value_type, depth + 1
+    listed = depth == (4 if types.is_integer(item) else 1)
 
-        def first() -> list[Any]:
-            cells = _chunk(handle, 0, name)[:1].to_pylist() if len(starts) > 1 else []
-            return [value for cell in cells for value in (cell if listed else [cell])]
+    def first() -> list[Any]:
+        cells = _chunk(handle, 0, name)[:1].to_pylist() if len(starts) > 1 else []
+        return [value for cell in cells for value in (cell if listed else [cell])]
 
-        if not _holds_pictures(item, depth - listed, first):
-            return {}
-        lengths: list[int] = []
-        for number in range(len(starts) - 1) if listed else ():
-            counts = compute.list_value_length(_chunk(handle, number, name)).to_pylist()
-            lengths += [length or 0 for length in counts]
+    if not _holds_pictures(item, depth - listed, first):
+        return {}
+    lengths: list[int] = []
+    for number in range(len(starts) - 1) if listed else ():
+        counts = compute.list_value_length(_chunk(handle, number, name)).to_pylist()
+        lengths += [length or 0 for length in counts]
     return {"rows": starts[-1], "lengths": lengths, "listed": listed}
 
 
@@ -165,18 +175,12 @@ def _picture(file: str, name: str, row: int, item: int, listed: bool) -> tuple[A
 
 @lru_cache(maxsize=2)
 def _first_rows(file: str, _: int) -> list[int]:
-    from pyarrow.parquet import ParquetFile
-
-    with ParquetFile(file) as handle:
-        return _starts(handle)
+    return _starts(_opened(file)[0])
 
 
 @lru_cache(maxsize=2)  # rows are read in order, of two columns
 def _group(file: str, _: int, name: str, number: int) -> list[Any]:
-    from pyarrow.parquet import ParquetFile
-
-    with ParquetFile(file) as handle:
-        return list(_chunk(handle, number, name).to_pylist())
+    return list(_chunk(_opened(file)[0], number, name).to_pylist())
 
 
 def _class_names(metadata: dict[bytes, bytes]) -> dict[str, list[str]]:

@@ -93,10 +93,12 @@ def write_columns(
 ) -> None:
     """Write a set of embeddings block by block, completely or not at all.
 
-    Raises DataError when a value is not finite or too large for float16, or a domain is called
-    "all".
+    Raises DataError when a value is not finite or too large for float16, a domain is called "all",
+    or a name is one that `load_embeddings` refuses.
     """
     require_domain_names(header.domains)
+    for kind, given in (("domains", header.domains), ("classes", header.classes)):
+        name_list([*given], kind, MOST_NAMES)
     columns = {
         name: replace(vector, blocks=_checked(path, name, vector))
         for name, vector in vectors.items()

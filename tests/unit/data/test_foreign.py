@@ -14,7 +14,9 @@ from safetensors.torch import save_file as save_torch
 from omnivat.cli import main
 from omnivat.data.columns import columns_of
 from omnivat.data.foreign import import_embeddings
+from omnivat.data.named_columns import received
 from omnivat.data.npz import read_npz
+from omnivat.data.parquet import part
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.kit.limited import Limited
@@ -316,3 +318,21 @@ def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
         for file, name in (("a.npz", "x"), ("b.npz", "x"), ("b.npz", "y"))
     )
     assert first == second != other
+
+
+def test_parquet_with_a_column_for_each_number_is_opened_once(tmp_path, monkeypatch):
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    pq.write_table(pa.table({f"vis_{k}": [float(k)] for k in range(9)}), tmp_path / "a.parquet")
+    opened = []
+    whole = pq.ParquetFile
+    monkeypatch.setattr(pq, "ParquetFile", lambda *of, **how: opened.append(of) or whole(*of))
+    of = {"file": str(tmp_path / "a.parquet"), "what": "column"}
+    found = [received(*part(b"", name=f"vis_{k}", **of)) for k in range(9)]
+    assert np.array_equal(found, np.arange(9.0)[:, None]) and len(opened) == 1
+
+
+def test_letters_that_steer_a_terminal_are_printed_as_escapes(tmp_path, capsys):
+    np.savez(tmp_path / "a.npz", vis=np.eye(2), material=["\x1b[2Jwood", "steel\n"])
+    words = ["--encoder", "x", "--domain", "\x1b]0;d", "--out", str(tmp_path / "a.safetensors")]
+    assert main(["import", str(tmp_path / "a.npz"), *words]) == 0
+    assert "\x1b" not in capsys.readouterr().out

@@ -81,6 +81,14 @@ def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(embeddi
         load_embeddings(file)
 
 
+def test_a_name_that_cannot_be_read_again_is_not_written(embeddings, tmp_path):
+    classes = ("x" * 301, *embeddings.header.classes[1:])
+    long = replace(embeddings, header=replace(embeddings.header, classes=classes))
+    with pytest.raises(DataError, match="names of 1 to 300 letters"):
+        save_embeddings(tmp_path / "long.safetensors", long)
+    assert not any(tmp_path.iterdir())
+
+
 def test_a_value_too_large_for_half_precision_is_not_written(embeddings, tmp_path):
     embeddings.vis[0, 0] = 70_000
     save_embeddings(tmp_path / "single.safetensors", embeddings)
