@@ -124,6 +124,20 @@ def test_back_to_an_address_restores_its_selection(visit):
     assert page.inner_text(".explore .pictures h4").startswith("4 ")
 
 
+def test_a_page_that_nobody_touches_draws_no_frames(new_page, address):
+    page = new_page()
+    page.add_init_script("""const frame = window.requestAnimationFrame;
+        window.drawn = 0;
+        window.requestAnimationFrame = (draw) => { window.drawn++; return frame(draw); };""")
+    page.goto(address)
+    page.wait_for_selector("body[data-ready]")
+    still = """() => {
+        const before = window.drawn;
+        return new Promise((done) => setTimeout(() => done(window.drawn === before), 400));
+    }"""
+    assert any(page.evaluate(still) for _ in range(20))
+
+
 def test_the_watch_for_outside_requests_sees_one(desktop, address):
     problems = []
     page = watched(desktop.browser.new_page(bypass_csp=True), address, problems)
