@@ -167,7 +167,7 @@ def measured(chromium: Any, to: Path, moves: int) -> dict[str, float]:
     began = time.perf_counter()
     with started() as (process, address, _):
         page = opened(chromium, address, "?chapter=analyse")
-        found = {"map_drawn_s": time.perf_counter() - began}
+        figures = {"map_drawn_s": time.perf_counter() - began}
         page.wait_for_load_state("networkidle")
         page.close()
         for name, pairs in (("2k", 1000), ("20k", 10_000)):
@@ -176,18 +176,18 @@ def measured(chromium: Any, to: Path, moves: int) -> dict[str, float]:
             )
             page.wait_for_load_state("networkidle")
             drag(page, moves // 4)  # what runs often is compiled by now
-            found |= {f"{name}_{key}": value for key, value in drag(page, moves).items()}
-            found[f"{name}_heap_mb"] = heap_mb(page)
+            figures |= {f"{name}_{key}": value for key, value in drag(page, moves).items()}
+            figures[f"{name}_heap_mb"] = heap_mb(page)
             page.close()
         page = opened(chromium, address, "?chapter=analyse", frames=to / "2k.bin")
         every_tab(page)
-        found["all_tabs_server_mb"] = resident_mb(process)
-        found["all_tabs_heap_mb"] = heap_mb(page)
-        found["all_tabs_renderer_mb"] = renderers_mb(chromium)
-        found["live_per_s"] = live(page, 60)
-        found["after_live_server_mb"] = resident_mb(process)
+        figures["all_tabs_server_mb"] = resident_mb(process)
+        figures["all_tabs_heap_mb"] = heap_mb(page)
+        figures["all_tabs_renderer_mb"] = renderers_mb(chromium)
+        figures["live_per_s"] = live(page, 60)
+        figures["after_live_server_mb"] = resident_mb(process)
         page.close()
-        return found
+        return figures
 
 
 def met(target: str, median: float) -> str:

@@ -110,9 +110,9 @@ def known(resources: Resources, question: Question) -> Reply:
         step = few(embeddings, head.source, most=step.pairs)
 
     def made() -> Reply:
-        found = measured(head, embeddings, step)
-        found = at_home(found) if home else found
-        if found["accuracy"] is None:
+        record = measured(head, embeddings, step)
+        record = at_home(record) if home else record
+        if record["accuracy"] is None:
             where = f"of '{head.source}', which needs a split" if home else "of any other domain"
             some = ", ".join(head.settings.classes[:5])
             more = " …" * (len(head.settings.classes) > 5)
@@ -121,10 +121,10 @@ def known(resources: Resources, question: Question) -> Reply:
             )
         shares = {
             domain["domain"]: domain["scores"]["fused"]["accuracy"]
-            for domain in found["domains"]
+            for domain in record["domains"]
             if domain["scores"] and (home or not domain["is_source"])
         }
-        return {**{name: found[name] for name in TOLD}, "domains": shares}
+        return {**{name: record[name] for name in TOLD}, "domains": shares}
 
     return resources.results.once(f"known {what}", made)
 

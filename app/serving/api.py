@@ -107,14 +107,14 @@ def report(resources: Resources, _: Question) -> Reply:
     from omnivat.study.shift.words import methods, notes
 
     def made() -> Reply:
-        found = features_of(resources.embeddings())
+        features = features_of(resources.embeddings())
         return {
-            "pairs": len(found.embeddings),
-            "domains": found.domains,
-            "simulated": found.embeddings.header.simulated,
-            "numbers": numbers(found, lambda _: checkpoint()),
-            "notes": notes(found),
-            "methods": methods(found, 0),
+            "pairs": len(features.embeddings),
+            "domains": features.domains,
+            "simulated": features.embeddings.header.simulated,
+            "numbers": numbers(features, lambda _: checkpoint()),
+            "notes": notes(features),
+            "methods": methods(features, 0),
         }
 
     return resources.results.once("report", made)

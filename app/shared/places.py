@@ -43,10 +43,10 @@ def places(
     head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()
 ) -> Places:
     """Return the locations of the project's own files or of given ones."""
-    found = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
+    located = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
     if head or embeddings:
-        found = replace(found, frames=None, pairs=None if embeddings else found.pairs)
-    return replace(found, compare=tuple(compare), own=None if head else found.own)
+        located = replace(located, frames=None, pairs=None if embeddings else located.pairs)
+    return replace(located, compare=tuple(compare), own=None if head else located.own)
 
 
 def head_in(folder: Path) -> Path:

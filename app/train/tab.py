@@ -68,24 +68,24 @@ class TrainTab:
 
     def _settings(self, gr: Any) -> dict[str, Any]:
         """Lay out the settings; return their components by name."""
-        found: dict[str, Any] = {}
+        components: dict[str, Any] = {}
         chosen = partial(gr.Dropdown, filterable=False)
         # the choices come with the set, and `plan_from` checks them
-        found["source"] = gr.Dropdown([], label="Learn from", allow_custom_value=True)
+        components["source"] = gr.Dropdown([], label="Learn from", allow_custom_value=True)
         orders = [(text, name) for name, text in ORDERS.items()]
-        found["order"] = chosen(orders, value="gradient", label="What p does")
+        components["order"] = chosen(orders, value="gradient", label="What p does")
         with gr.Row(elem_classes="acts"):
             self.go = gr.Button(  # pressed once there are choices
                 "Train", variant="primary", elem_classes="go", interactive=False
             )
             self.stop = gr.Button("Cancel", visible=False, elem_classes="stop")
         with gr.Accordion("Advanced", open=False, elem_classes="advanced"):
-            found["width"] = chosen([*WIDTHS], value=64, label="D, width")
+            components["width"] = chosen([*WIDTHS], value=64, label="D, width")
             for name, (text, least, most, first) in NUMBERS.items():
                 label = f"{text} ({least:g} to {most:g})"
-                found[name] = gr.Number(first, label=label, elem_id=f"train-{name}")
-            found["lang"] = gr.Checkbox(label="LANG guides the training", elem_id="train-lang")
-        return found
+                components[name] = gr.Number(first, label=label, elem_id=f"train-{name}")
+            components["lang"] = gr.Checkbox(label="LANG guides the training", elem_id="train-lang")
+        return components
 
     def _on(
         self, event: Any, work: Callable[..., Changes], given: Sequence[Any], **more: Any

@@ -96,17 +96,17 @@ def run(options: argparse.Namespace) -> None:
         )
     encoder = encoder_name(options)
     of_reader: dict[str, Any] = halves(options) | dict(t.split("=", 1) for t in options.set)
-    found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
-    found = with_rest(found, options.tac_rest or "none")
-    found = with_ways(found, ways_in(options.flip, options.channels, found.domains()))
-    checked(found, options.look)
-    if rested := sum(pair.tac_rest is not None for pair in found.pairs):
-        print(f"{rested} of {len(found.pairs)} tactile images have a no-contact picture")
+    pairs = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
+    pairs = with_rest(pairs, options.tac_rest or "none")
+    pairs = with_ways(pairs, ways_in(options.flip, options.channels, pairs.domains()))
+    checked(pairs, options.look)
+    if rested := sum(pair.tac_rest is not None for pair in pairs.pairs):
+        print(f"{rested} of {len(pairs.pairs)} tactile images have a no-contact picture")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")
     how = passed(options, *names, "engine", "workers", "dots", "touch")
-    how |= {"flips": not options.no_flips, "lamps": lamps_in(options.lamps, found.domains())}
+    how |= {"flips": not options.no_flips, "lamps": lamps_in(options.lamps, pairs.domains())}
     with progress_bar(f"embed with {encoder}") as show:
-        report = embed_pairs(found, encoder, options.out, **how, on_step=show)
+        report = embed_pairs(pairs, encoder, options.out, **how, on_step=show)
     for line in touch_lines(report.header):
         print(line)
     for skipped in report.skipped:

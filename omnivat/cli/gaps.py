@@ -23,14 +23,14 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, measure, print the matrices."""
-    found = stage_features(options)
+    features = stage_features(options)
     record = {
         "stage": options.stage,
-        "order": found.order,
+        "order": features.order,
         "measure": options.measure,
-        "pairs": len(found.embeddings),
-        "simulated": found.embeddings.header.simulated,
-        **gaps_of(found, options.measure),
+        "pairs": len(features.embeddings),
+        "simulated": features.embeddings.header.simulated,
+        **gaps_of(features, options.measure),
     }
     if options.figure:
         from omnivat.figures import gap_tables, write
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
         write(options.figure, gap_tables(record))
     if options.json:
         return print(as_json(record))
-    print(f"{options.measure} at {options.stage}: {found.about}\n")
+    print(f"{options.measure} at {options.stage}: {features.about}\n")
     if "standard_error" in record:
         print(
             f"estimated from {record['drawn']:,} random pairs, because the set is large; standard"

@@ -40,14 +40,14 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.study.shift import read_features, write_report
     from omnivat.study.shift.measure import record
 
-    found = read_features(
+    features = read_features(
         options.features,
         encoder=options.encoder,
         **foreign(options),
         numbers=tuple(filter(None, [options.target])),
         seed=options.seed,
     )
-    measured = predicted_numbers(found, options.target) if options.target else []
+    measured = predicted_numbers(features, options.target) if options.target else []
     more = [
         record(
             options.target, result["title"], result["value"], low=result["low"], high=result["high"]
@@ -55,11 +55,11 @@ def run(options: argparse.Namespace) -> None:
         for result in measured
     ]
     with progress_bar("report") as show:
-        files = write_report(found, options.out, seed=options.seed, more=more, on_step=show)
-    what = " and ".join(found.modalities) + ("" if found.labelled else ", without classes")
-    print(f"{len(found.embeddings)} pairs, domains: {', '.join(found.domains)}; {what}")
+        files = write_report(features, options.out, seed=options.seed, more=more, on_step=show)
+    what = " and ".join(features.modalities) + ("" if features.labelled else ", without classes")
+    print(f"{len(features.embeddings)} pairs, domains: {', '.join(features.domains)}; {what}")
     if measured:
         print(sentence(options.target, measured))
-    for line in differences(found.embeddings):
+    for line in differences(features.embeddings):
         print(line)
     print(f"{len(files)} files written; open {files[-1]}")

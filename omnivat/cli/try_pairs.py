@@ -120,27 +120,27 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     from omnivat.study.comparison import predicted_numbers, sentence
     from omnivat.study.trial import try_pairs
 
-    found, notes = _features(options, out)
-    notes += touch_lines(found.embeddings.header)
-    classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
-    alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
+    features, notes = _features(options, out)
+    notes += touch_lines(features.embeddings.header)
+    classes = len({*features.embeddings.label.tolist()}) if features.labelled else 0
+    alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(features.modalities))
     notes.append(
-        f"{len(found.embeddings)} pairs, {len(found.domains)} domain(s): "
-        f"{', '.join(map(printable, found.domains))}; {classes or 'no'} classes"
+        f"{len(features.embeddings)} pairs, {len(features.domains)} domain(s): "
+        f"{', '.join(map(printable, features.domains))}; {classes or 'no'} classes"
         + (f"; {alone}: the page draws each twice." if alone else ".")
     )
-    notes += differences(found.embeddings, options.source)
+    notes += differences(features.embeddings, options.source)
     print("\n".join(notes), flush=True)
     with progress_bar("train and test") as show:
-        trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)
+        trial = try_pairs(features, source=options.source, seed=options.seed, on_step=show)
     if options.target:
-        measured = predicted_numbers(found, options.target, seed=options.seed)
+        measured = predicted_numbers(features, options.target, seed=options.seed)
         trial.lines.append(sentence(options.target, measured))
         trial.records.append({"target": options.target, "columns": measured})
     print("\n".join(trial.lines))
-    for k, name in enumerate(found.domains):
+    for k, name in enumerate(features.domains):
         profile = profile_of(
-            found.embeddings, found.members(name), domain=name, modalities=found.modalities
+            features.embeddings, features.members(name), domain=name, modalities=features.modalities
         )
         plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
         save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
@@ -151,7 +151,9 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     write_json(out / "figures.json", trial.records)
     with replacing(out / SUMMARY) as temporary:
         temporary.write_text("\n".join([*notes, *trial.lines, ""]), encoding="utf-8")
-    print(f"Everything is in {out}: {SET}, {len(found.domains)} profiles, {SUMMARY}, figures.json")
+    print(
+        f"Everything is in {out}: {SET}, {len(features.domains)} profiles, {SUMMARY}, figures.json"
+    )
 
 
 def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:
@@ -165,23 +167,25 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
     if pictures:
         notes = _embed(options, out)
     of_file = foreign(options)
-    found = read_features(
+    features = read_features(
         out / SET if pictures else place,
         encoder="" if options.encoder == DEFAULT_ENCODER else options.encoder,
         **{**of_file, "columns": {**halves(options), **of_file["columns"]}},
         numbers=tuple(filter(None, [options.target])),
         seed=options.seed,
     )
-    if found.drawn_of > len(found.embeddings):
-        notes.append(f"{len(found.embeddings):,} of {found.drawn_of:,} pairs, drawn at random.")
+    if features.drawn_of > len(features.embeddings):
+        notes.append(
+            f"{len(features.embeddings):,} of {features.drawn_of:,} pairs, drawn at random."
+        )
         pictures = False  # the sheet of thumbnails is of all pairs
         sheet_of(out / SET).unlink(missing_ok=True)
-    if any(found.embeddings.rows["split"]):
+    if any(features.embeddings.rows["split"]):
         notes.append("The set's split is not used: whole objects are left out instead.")
-        found, pictures = replace(found, embeddings=found.embeddings.unsplit), False
+        features, pictures = replace(features, embeddings=features.embeddings.unsplit), False
     if not pictures:
-        save_embeddings(out / SET, found.embeddings)
-    return found, notes
+        save_embeddings(out / SET, features.embeddings)
+    return features, notes
 
 
 def _of_pictures(table: Path) -> bool:

@@ -111,21 +111,21 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     Raises DataError if it is missing, not a CLIP, or of another size than its name states.
     """
     place = find(CHECKPOINTS[name], weights, download=download)
-    found = read_weights(place, name, *MARKS)
-    state = clip_state(found)
+    checkpoint = read_weights(place, name, *MARKS)
+    state = clip_state(checkpoint)
     if not state.image and not state.text:
         raise DataError(
-            f"'{found.file}' holds no weights of CLIP (its first name is"
-            f" '{min(found, default='none')}'); name a checkpoint of CLIP, or use --encoder"
+            f"'{checkpoint.file}' holds no weights of CLIP (its first name is"
+            f" '{min(checkpoint, default='none')}'); name a checkpoint of CLIP, or use --encoder"
             " hf:FOLDER for another model of transformers."
         )
     shape = image_shape(state) if state.image else None
     return Clip(
-        name=name if shape is None else require_name(name, shape, found.file),
+        name=name if shape is None else require_name(name, shape, checkpoint.file),
         place=place,
-        file=found.file,
+        file=checkpoint.file,
         weights=state,
-        settings=clip_settings(found),
+        settings=clip_settings(checkpoint),
         shape=shape,
     )
 

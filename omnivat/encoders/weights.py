@@ -115,15 +115,17 @@ def plain_name(key: str) -> str:
 
 def _prefix(state: Mapping[str, Tensor], marks: Sequence[str]) -> str:
     """Return what precedes the first mark; of a model and its moving average, that of the model."""
-    found: list[str] = []
+    prefixes: list[str] = []
     for mark in marks:
         pattern = re.compile(rf"((?:.*?\.)??){mark}")
-        found = found or sorted({match[1] for key in state if (match := pattern.fullmatch(key))})
-    found = [name for name in found if "ema" not in re.split(r"[._]", name)] or found
-    if len(found) > 1:
-        names = " and ".join(f"'{name}'" for name in found[:3])
+        prefixes = prefixes or sorted(
+            {match[1] for key in state if (match := pattern.fullmatch(key))}
+        )
+    prefixes = [name for name in prefixes if "ema" not in re.split(r"[._]", name)] or prefixes
+    if len(prefixes) > 1:
+        names = " and ".join(f"'{name}'" for name in prefixes[:3])
         raise DataError(f"it holds several models, whose names begin with {names}")
-    return "".join(found)
+    return "".join(prefixes)
 
 
 def weights_file(place: Path, name: str) -> Path:

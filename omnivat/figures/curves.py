@@ -132,26 +132,26 @@ def gap_curves(
     title = f"OmniVaT, {name or STAGE_TITLES[stage]}, against p"
     look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
     caption = f"{_caption(frames, mode)} Dashed: the raw embedding, or chance."
-    found = figure([], title=title, caption=caption, **look)
-    make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.28, figure=found)
+    drawn = figure([], title=title, caption=caption, **look)
+    make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.28, figure=drawn)
     span = frames.orders[0], frames.orders[-1]
     fits = frames.head.get("fits") if "what-if" in mode["can"] else None
     low, high = np.clip(fits or (0.0, 0.0), *span).tolist()
     for k, (measure, words) in enumerate(MEASURES.items()):
         chart = {"row": k // 2 + 1, "col": k % 2 + 1}
-        found.add_traces(_chart(frames, measure, words, stage, mode), chart["row"], chart["col"])
-        found.update_xaxes(axis(range=list(span), showgrid=False), **chart)
-        found.update_yaxes(axis(range=[0, _highest(frames, measure)], nticks=5), **chart)
+        drawn.add_traces(_chart(frames, measure, words, stage, mode), chart["row"], chart["col"])
+        drawn.update_xaxes(axis(range=list(span), showgrid=False), **chart)
+        drawn.update_yaxes(axis(range=[0, _highest(frames, measure)], nticks=5), **chart)
         every = {"exclude_empty_subplots": False, **chart}
         if low < high:
-            found.add_vrect(low, high, fillcolor=AREA, line_width=0, **every)
+            drawn.add_vrect(low, high, fillcolor=AREA, line_width=0, **every)
         raw = frames.curves.get(f"{measure}/raw") or [None]
         level = 1 / len(frames.classes) if measure == "accuracy" else raw[0]
         if level is not None:
-            found.add_hline(level, line_color=SOFT, line_dash="dash", **every)
-        found.add_vline(at, line_color=MARK, line_width=1, **every)
+            drawn.add_hline(level, line_color=SOFT, line_dash="dash", **every)
+        drawn.add_vline(at, line_color=MARK, line_width=1, **every)
         place = {"xref": "x domain", "yref": "y domain", "x": 0, "y": 1, "align": "left"}
-        found.add_annotation(
+        drawn.add_annotation(
             text=f"{words}<br>{_value_at(frames, measure, stage, at)}",
             showarrow=False,
             xanchor="left",
@@ -159,7 +159,7 @@ def gap_curves(
             **place,
             **chart,
         )
-    return found
+    return drawn
 
 
 def _mode(frames: FrameSet, mode: Mode | None) -> Mode:

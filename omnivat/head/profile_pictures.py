@@ -47,19 +47,23 @@ def pictures_in(
     """
     if folder is None:
         places = (("vis", vis), ("tac", tac))
-        found = [_picture(name, path) for name, place in places if place for path in _images(place)]
+        pictures = [
+            _picture(name, path) for name, place in places if place for path in _images(place)
+        ]
     else:
-        found = _of_pairs(folder, rest) or [
+        pictures = _of_pairs(folder, rest) or [
             _picture(m, path) for path in _images(folder) if (m := modality_of(path))
         ]
-    if not found:
+    if not pictures:
         raise DataError(
             f"No photos or tactile images are in '{show(folder or vis or tac or '')}'. Name them "
             "*_vis.png and *_tac.png, put them in folders vis and tac, or give --vis and --tac."
         )
     if rest not in (None, "none", "auto", "all"):
-        found = [replace(p, rest=Path(str(rest))) if p.modality == "tac" else p for p in found]
-    return found
+        pictures = [
+            replace(p, rest=Path(str(rest))) if p.modality == "tac" else p for p in pictures
+        ]
+    return pictures
 
 
 def _picture(modality: str, path: Path) -> Picture:

@@ -210,36 +210,36 @@ def merge(
     lamps: Mapping[str, Lamps | str],
 ) -> Header:
     """Write the parts as one set of embeddings, with one part in memory at a time."""
-    found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
-    rests = rests_of(found.pairs)
+    pairs = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
+    rests = rests_of(pairs.pairs)
     header = Header(
         encoder=encoder.name,
         weights_hash=encoder.weights_hash,
         preprocessing=encoder.preprocessing + (RESTED if rests else ""),
         precision=encoder.precision,
         text_hash=getattr(encoder, "text_hash", ""),
-        domains=found.domains(),
-        classes=found.materials(),
+        domains=pairs.domains(),
+        classes=pairs.materials(),
         simulated=source.simulated,
         origin=source.origin,
         tac_rest=rests,
-        tac_way=ways_of(found.pairs),
-        modalities=found.modalities(),
-        lamps={name: lamps[name] for name in found.domains() if name in lamps},
+        tac_way=ways_of(pairs.pairs),
+        modalities=pairs.modalities(),
+        lamps={name: lamps[name] for name in pairs.domains() if name in lamps},
     )
-    kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
+    kind, shape = vector_type(dtype), (len(pairs.pairs), encoder.width)
     vectors = {
         name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in columns
     }
-    files = [path.absolute() for pair in found.pairs for path in (pair.vis, pair.tac)]
+    files = [path.absolute() for pair in pairs.pairs for path in (pair.vis, pair.tac)]
     root = _shared_folder(files)
     write_columns(
         out,
         header,
         vectors,
-        domain=indices(header.domains, [pair.domain for pair in found.pairs]),
-        label=indices(header.classes, [pair.material for pair in found.pairs]),
-        rows=_names(found.pairs, files, root),
+        domain=indices(header.domains, [pair.domain for pair in pairs.pairs]),
+        label=indices(header.classes, [pair.material for pair in pairs.pairs]),
+        rows=_names(pairs.pairs, files, root),
         manifest=manifest,
     )
     if root:

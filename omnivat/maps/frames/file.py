@@ -57,15 +57,15 @@ def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     arrays: dict[str, NDArray[Any]] = {name: getattr(frames, name) for name in INDEXES}
     names: dict[int, str] = {}
     maps = {}
-    for name, found in frames.maps.items():
-        array = names.setdefault(id(found.points), f"map:{name}")
-        arrays[array] = found.points
+    for name, track in frames.maps.items():
+        array = names.setdefault(id(track.points), f"map:{name}")
+        arrays[array] = track.points
         maps[name] = {
             "array": array,
-            "orders": found.orders,
-            "bounds": [found.low, found.high],
-            "max_error": found.max_error,
-            "trust": found.trust,
+            "orders": track.orders,
+            "bounds": [track.low, track.high],
+            "max_error": track.max_error,
+            "trust": track.trust,
         }
     return maps, arrays
 

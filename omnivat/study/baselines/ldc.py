@@ -146,10 +146,10 @@ def fit(source: Source) -> Fitted:
         )
 
     def loss(model: DeConfused, rows: Tensor) -> Tensor:
-        found = model(live.drawn(rows).to(clip.device))
+        outputs = model(live.drawn(rows).to(clip.device))
         labels = source.labels[rows].repeat(2).to(clip.device)
-        right = [cross_entropy(found[name], labels) for name in ("own", "clear", "mixed")]
-        near = [l1_loss(found[name], found["base"]) for name in ("own", "clear")]
+        right = [cross_entropy(outputs[name], labels) for name in ("own", "clear", "mixed")]
+        near = [l1_loss(outputs[name], outputs["base"]) for name in ("own", "clear")]
         return torch.stack([*right, *near]).sum()
 
     epochs = max(HOW.epochs, math.ceil(LEAST / math.ceil(len(source) / HOW.batch)))
@@ -158,13 +158,13 @@ def fit(source: Source) -> Fitted:
     )
 
     @torch.no_grad()
-    def found(name: str, images: Tensor) -> Tensor:
+    def output(name: str, images: Tensor) -> Tensor:
         rows: Tensor = model(images.to(clip.device))[name]
         return rows
 
     return Fitted(
-        predict=late(lambda _, images: found("mixed", images).softmax(-1).cpu()),
-        features=lambda vis, tac: joined(found("joined", vis).cpu(), found("joined", tac).cpu()),
+        predict=late(lambda _, images: output("mixed", images).softmax(-1).cpu()),
+        features=lambda vis, tac: joined(output("joined", vis).cpu(), output("joined", tac).cpu()),
         parameters=size(model),
         images=True,
     )

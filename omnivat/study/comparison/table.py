@@ -9,10 +9,10 @@ from omnivat.study.reports.markdown import markdown
 Record = Mapping[str, Any]
 
 
-def table(found: Record) -> str:
+def table(comparison: Record) -> str:
     """Return the comparison as a Markdown table, the differences to the first set, and notes."""
-    columns = found["columns"]
-    kinds = _gaps(found)
+    columns = comparison["columns"]
+    kinds = _gaps(comparison)
     head = ["set", *(c["title"] for c in columns), *kinds.values(), "values", "ms a picture"]
     rows = [
         [
@@ -22,48 +22,49 @@ def table(found: Record) -> str:
             str(entry["width"]),
             "–" if entry["cost_ms"] is None else f"{entry['cost_ms']:.0f}",
         ]
-        for entry in found["sets"]
+        for entry in comparison["sets"]
     ]
-    first, *others = found["sets"]
+    first, *others = comparison["sets"]
     less = [
         [f"{entry['name']} less {first['name']}"]
         + [_cell((entry["cells"].get(c["id"]) or {}).get("less"), c["id"], "+") for c in columns]
         for entry in others
     ]
     differences = markdown(["difference", *(c["title"] for c in columns)], less)
-    return "\n\n".join((markdown(head, rows), differences, " ".join(notes(found)))) + "\n"
+    return "\n\n".join((markdown(head, rows), differences, " ".join(notes(comparison)))) + "\n"
 
 
-def notes(found: Record) -> list[str]:
+def notes(comparison: Record) -> list[str]:
     """Return what the table shows, in sentences."""
-    what = {"both": "photo and touch", "vis": "photos", "tac": "touches"}[found["view"]]
+    what = {"both": "photo and touch", "vis": "photos", "tac": "touches"}[comparison["view"]]
     probe = (
-        f"a ridge regression that predicts {found['target']}"
-        if found["target"]
+        f"a ridge regression that predicts {comparison['target']}"
+        if comparison["target"]
         else "linear maps, the yardstick of `omnivat report`; percent right"
     )
     words = [
-        f"{found['pairs']} pairs{' (simulated)' * found['simulated']} of {len(found['domains'])}"
-        f" domains, {what}: {probe}. Each of {len(found['sources'])} domains is learned;"
-        " home is its own held-out pairs, away the mean over all others."
+        f"{comparison['pairs']} pairs{' (simulated)' * comparison['simulated']} of"
+        f" {len(comparison['domains'])} domains, {what}: {probe}. Each of"
+        f" {len(comparison['sources'])} domains is learned; home is its own held-out pairs,"
+        " away the mean over all others."
     ]
-    if len(found["domains"]) > 1:
+    if len(comparison["domains"]) > 1:
         words.append(
             f"Pictures have no labels and give a profile; what is known is not tested, and is drawn"
-            f" {found['draws']} times (fewer than 5 or 20 where a domain is small)."
+            f" {comparison['draws']} times (fewer than 5 or 20 where a domain is small)."
         )
-    if found["drawn"]:
+    if comparison["drawn"]:
         words.append(
-            f"Brackets are 95 % intervals over {found['drawn']}, paired between sets. Bold: better"
-            " than every other set, by intervals that hold together."
+            f"Brackets are 95 % intervals over {comparison['drawn']}, paired between sets. Bold:"
+            " better than every other set, by intervals that hold together."
         )
     else:
         words.append("A domain has one object only, so there are no intervals and nothing is bold.")
-    if _gaps(found):
+    if _gaps(comparison):
         words.append(
             "Gaps are distances of centroids; in parentheses, of two halves of one domain."
         )
-    lit = {s["name"]: s["lamps_from"] for s in found["sets"] if s["lamps_from"]}
+    lit = {s["name"]: s["lamps_from"] for s in comparison["sets"] if s["lamps_from"]}
     words += [
         f"In '{name}' lamps of each domain are known from up to {count} touches, in every column."
         for name, count in lit.items()
@@ -71,20 +72,20 @@ def notes(found: Record) -> list[str]:
     return words
 
 
-def chart(found: Record) -> list[dict[str, Any]]:
+def chart(comparison: Record) -> list[dict[str, Any]]:
     """Return the records of `figures.dots`: shares, or R² of numbers."""
     return [
         {"row": entry["name"], "series": c["title"], **entry["cells"][c["id"]]}
-        for entry in found["sets"]
-        for c in found["columns"]
+        for entry in comparison["sets"]
+        for c in comparison["columns"]
         if c["id"] in entry["cells"] and not c["id"].endswith(":mae")
     ]
 
 
-def _gaps(found: Record) -> dict[str, str]:
+def _gaps(comparison: Record) -> dict[str, str]:
     """Return the gaps that are shown: of modalities, and of touches or else of photos."""
-    there = dict.fromkeys(kind for entry in found["sets"] for kind in entry["gaps"])
-    of = "tac" if found["view"] != "vis" else "vis"
+    there = dict.fromkeys(kind for entry in comparison["sets"] for kind in entry["gaps"])
+    of = "tac" if comparison["view"] != "vis" else "vis"
     wanted = {
         "between modalities": "gap of photo and touch",
         f"between domains, {of}": "gap between sensors",

@@ -30,12 +30,12 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> Record:
     If a method cannot run on these embeddings, or its training fails, the record has "skipped"
     with the reason in one sentence.
     """
-    found = task(embeddings, run.source)
-    record = heading(run, found, bank)
+    work = task(embeddings, run.source)
+    record = heading(run, work, bank)
     started = time.perf_counter()
     try:
         fit = fit_head if run.method.base == HEAD else fit_baseline
-        outcome = fit(run.method, found, bank, run.seed, run.settled)
+        outcome = fit(run.method, work, bank, run.seed, run.settled)
     except OmniVatError as error:
         return record | {"skipped": str(error)}
     record |= {
@@ -46,14 +46,14 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> Record:
     if outcome.guard is not None:
         record["lang_guard"] = outcome.guard
     numbers = object_numbers(embeddings)
-    if len(found.source_test):
-        record["source_test"] = score(outcome, found.source_test, found.classes, numbers)
+    if len(work.source_test):
+        record["source_test"] = score(outcome, work.source_test, work.classes, numbers)
     record["targets"] = {
         name: {
-            "part": found.setting.targets.get(paper_name(name), ""),
-            **score(outcome, pairs, found.classes, numbers),
+            "part": work.setting.targets.get(paper_name(name), ""),
+            **score(outcome, pairs, work.classes, numbers),
         }
-        for name, pairs in found.targets.items()
+        for name, pairs in work.targets.items()
     }
     return record
 

@@ -29,21 +29,21 @@ REPORT = "ablations.md"
 
 def write_ablations(records: Sequence[Record], tables: Mapping[str, Ablation], folder: Path) -> str:
     """Write `ablations.md`, and a plot and its points for each figure; return the text."""
-    found = latest(records)
-    if not found:
+    runs = latest(records)
+    if not runs:
         return "No runs yet.\n"
-    full = completed(found, method_name("full"))
+    full = completed(runs, method_name("full"))
     base = f" All rows start from {text}." if full and (text := changed_settings(full[0])) else ""
     words = "ACC / Macro-F1, mean over unseen targets, ± standard deviation (n − 1) over seeds."
-    parts = [f"# Ablations\n\n{origin(found)} {words}{base}"]
-    run = {paper_name(r["source"]): r["source"] for r in reversed(found)}  # simulated or not
+    parts = [f"# Ablations\n\n{origin(runs)} {words}{base}"]
+    run = {paper_name(r["source"]): r["source"] for r in reversed(runs)}  # simulated or not
     for name, table in tables.items():
         sources = [run.get(paper_name(source), source) for source in table.sources]
-        parts += [f"## {table.title}", ablation_table(found, name, table, sources)]
+        parts += [f"## {table.title}", ablation_table(runs, name, table, sources)]
         if table.axis:
             file = f"{name}.svg"
-            write_text(folder / file, ablation_plot(found, table, sources))
-            write_text(folder / f"{name}.json", ablation_points(found, table, sources[0]))
+            write_text(folder / file, ablation_plot(runs, table, sources))
+            write_text(folder / f"{name}.json", ablation_points(runs, table, sources[0]))
             parts.append(f"![{table.title}]({file})")
     text = "\n\n".join(parts) + "\n"
     write_text(folder / REPORT, text)

@@ -35,23 +35,23 @@ def write_report(records: Sequence[Record], folder: Path) -> str:
 
 def protocol_report(records: Sequence[Record]) -> str:
     """Return the whole report of a protocol's records."""
-    found = latest(records)
-    if not found:
+    runs = latest(records)
+    if not runs:
         return "No runs yet.\n"
     parts = [
         "# Single-domain generalization: comparison",
-        origin(found),
-        *readings_parts(found),
+        origin(runs),
+        *readings_parts(runs),
         "## Each source, both images by mean fusion: ACC / Macro-F1, mean over unseen targets",
-        main_table(found),
+        main_table(runs),
         "Mean ± standard deviation (n − 1) over seeds; Macro-F1 over classes present in a target.",
-        *side_parts(found),
+        *side_parts(runs),
         "## Macro-F1 with predicted classes counted too (union), source test, size, time",
-        side_table(found),
+        side_table(runs),
         "## Every target",
-        *[part for name, label in methods(found).items() for part in _targets(found, name, label)],
-        *_printed_targets(found),
-        _notes(found),
+        *[part for name, label in methods(runs).items() for part in _targets(runs, name, label)],
+        *_printed_targets(runs),
+        _notes(runs),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 

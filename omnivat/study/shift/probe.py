@@ -55,18 +55,18 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
         for target in (name for name in names if name != source):
             there = data.select(places[target])
             for measure, known in zip(MEASURES[1:], (NOTHING, few(there, source)), strict=True):
-                found = measured(maps, there, known)
-                for view in features.views if found["pairs"] else ():
-                    share = found["scores"][READINGS[view]]
-                    ends = {"low": share["low"], "high": share["high"], "n": found["pairs"]}
+                result = measured(maps, there, known)
+                for view in features.views if result["pairs"] else ():
+                    share = result["scores"][READINGS[view]]
+                    ends = {"low": share["low"], "high": share["high"], "n": result["pairs"]}
                     place = view, source, target
                     records.append(record("probe", measure, share["accuracy"], *place, **ends))
                 main = features.views[-1]
-                counts = next(x["confusion"] for x in found["domains"] if x["domain"] == target)
-                if known is NOTHING and found["pairs"] and (own := balance(counts)).uneven:
+                counts = next(x["confusion"] for x in result["domains"] if x["domain"] == target)
+                if known is NOTHING and result["pairs"] and (own := balance(counts)).uneven:
                     for name, value in zip(UNEVEN[1:], (own.balanced, own.always), strict=True):
                         place = main, source, target
-                        records.append(record("probe", name, value, *place, n=found["pairs"]))
+                        records.append(record("probe", name, value, *place, n=result["pairs"]))
         on_step(Step(done=done + 1, total=len(names), text=f"probe of {source}"))
     return records + [line for view in features.views for line in _means(records, view, names)]
 
