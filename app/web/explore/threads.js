@@ -214,7 +214,8 @@ export function tell() {
   return showWords({
     title: `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`,
     figure: html`${share(accuracy[at])} correct on another sensor (mean of eight training sensors).
-      For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press.`,
+      For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press; the list
+      below has the share of each sensor.`,
     remark: worded(remark, { apart, first: gap[0].toFixed(2), gain }),
     whence: provenance({
       head: "eight logistic regressions",
