@@ -5,6 +5,7 @@ Only the columns that are needed are opened, so others may hold anything. No cod
 
 import sys
 import zipfile
+from collections import defaultdict
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -161,10 +162,13 @@ def _text(place: Path) -> Columns:
             )
     cells = [row + [""] * (len(header) - len(row)) for row in rows.values()]
 
+    places: dict[str, list[int]] = defaultdict(list)
+    for at, title in enumerate(header):
+        places[title].append(at)
+
     def read(name: str) -> NDArray[Any]:
-        require_one(place, header, name)
-        at = header.index(name)
-        return np.array([row[at] for row in cells])
+        require_one(place, [name] * len(places[name]), name)
+        return np.array([row[places[name][0]] for row in cells])
 
     return Columns(
         place=place, names=tuple(header), read=read, pictures=lambda name: None, lines=list(rows)

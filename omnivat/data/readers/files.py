@@ -4,6 +4,7 @@ import codecs
 import csv
 import os
 import re
+from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from io import StringIO
@@ -218,8 +219,11 @@ def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str
             break
         del rows[line]
     lower = [name.lower() for name in rows.pop(next(iter(rows), 0), [])]
-    before = [lower[:k].count(name) if name else 0 for k, name in enumerate(lower)]
-    header = [f"{name} ({n + 1})" if n else name for name, n in zip(lower, before, strict=True)]
+    before = Counter[str]()  # a table may have 100,000 columns
+    header = []
+    for name in lower:
+        before[name] += bool(name)
+        header.append(f"{name} ({before[name]})" if before[name] > 1 else name)
     for name in needed:
         if name not in header:
             raise DataError(

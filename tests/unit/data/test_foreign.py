@@ -12,6 +12,7 @@ from safetensors.numpy import save_file
 from safetensors.torch import save_file as save_torch
 
 from omnivat.cli import main
+from omnivat.data import columns
 from omnivat.data.columns import columns_of
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.named_columns import received
@@ -336,3 +337,16 @@ def test_letters_that_steer_a_terminal_are_printed_as_escapes(tmp_path, capsys):
     words = ["--encoder", "x", "--domain", "\x1b]0;d", "--out", str(tmp_path / "a.safetensors")]
     assert main(["import", str(tmp_path / "a.npz"), *words]) == 0
     assert "\x1b" not in capsys.readouterr().out
+
+
+def test_numbered_columns_of_a_table_are_found_without_a_search_for_each(tmp_path, monkeypatch):
+    """A search for each of 100,000 columns took minutes."""
+
+    class Header(list[str]):
+        def index(self, *_):
+            raise AssertionError("a search")
+
+    rows = {1: Header(f"vis_{k}" for k in range(9)), 2: ["1"] * 9}
+    monkeypatch.setattr(columns, "numbered_rows", lambda _: rows)
+    (tmp_path / "wide.csv").touch()
+    assert columns_of(tmp_path / "wide.csv").get("vis").shape == (1, 9)
