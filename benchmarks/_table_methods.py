@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn.functional import cross_entropy, normalize
+from torch.nn.functional import cross_entropy, normalize, one_hot
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import STEP_SHIFTED, Channels, profile_of, standardised
@@ -32,6 +32,7 @@ Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both
 RECIPE: dict[str, Any] = {"noise": 4.0, "shift": 1.0, "epochs": 120}
 # as their own files train them
 PUBLISHED = ("baseline", "vt_cmc_head", "ldc_icd", "sitr_supcon")
+PENALTY = 1.0  # of the ridge regression
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -297,3 +298,22 @@ METHODS: dict[str, Callable[[Embeddings, str, int], Learned]] = {
     "logistic": logistic,
     "nearest_mean": nearest_mean,
 }
+
+
+def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, queries: Tensor) -> Tensor:
+    """Return the scores of a weighted ridge regression of one-hot classes as probabilities.
+
+    Rows are brought to unit length. A class without a row gets probability 0.
+    """
+    rows, queries = (normalize(x.double(), dim=-1) for x in (rows, queries))
+    hot = one_hot(labels, classes).double()
+    mean = (weights[:, None] * rows).sum(0) / weights.sum()
+    base = (weights[:, None] * hot).sum(0) / weights.sum()
+    root = weights.double().sqrt()[:, None]
+    centred, targets = root * (rows - mean), root * (hot - base)
+    gram = centred @ centred.T
+    gram.diagonal().add_(PENALTY)
+    scores = (queries - mean) @ (centred.T @ torch.linalg.solve(gram, targets)) + base
+    absent = hot.sum(0) == 0
+    shares: Tensor = (10 * scores).masked_fill(absent, -torch.inf).softmax(-1).float()
+    return shares

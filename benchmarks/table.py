@@ -48,6 +48,7 @@ from benchmarks._table_methods import (
     Raw,
     published,
     raw_of,
+    ridge,
     three_maps,
     wide_maps,
 )
@@ -75,13 +76,8 @@ from omnivat.study.protocol.records import append, fingerprint, mend
 PICTURES = (1, 5, 20, 50)  # pairs of the target without labels
 LABELLED = (1, 3, 5)  # labelled pairs of each class
 SOURCES = (2, 4, 7)  # source domains, for the method that needs no training
-UNKNOWN = (
-    "home",
-    "none",
-    *IMAGES,
-)  # rungs that know no pair of the target; others draw some by seed
-# of the ridge regression; labelled pairs of a class count as WEIGHT pairs
-PENALTY, WEIGHT = 1.0, 20
+UNKNOWN = ("home", "none", *IMAGES)  # rungs that know no pair of the target; others draw some
+WEIGHT = 20  # pairs, as which the labelled ones of a class count in the ridge regression
 
 
 class Measured:
@@ -216,25 +212,6 @@ def few(embeddings: Embeddings, source: str, count: int, seed: int) -> Embedding
     label = embeddings.label[mixed]
     kept = np.concatenate([mixed[label == c][:count] for c in np.unique(label)])
     return embeddings.select(np.setdiff1d(np.arange(len(embeddings)), np.setdiff1d(pool, kept)))
-
-
-def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, queries: Tensor) -> Tensor:
-    """Return the scores of a weighted ridge regression of one-hot classes as probabilities.
-
-    Rows are brought to unit length. A class without a row gets probability 0.
-    """
-    rows, queries = (normalize(x.double(), dim=-1) for x in (rows, queries))
-    hot = torch.nn.functional.one_hot(labels, classes).double()
-    mean = (weights[:, None] * rows).sum(0) / weights.sum()
-    base = (weights[:, None] * hot).sum(0) / weights.sum()
-    root = weights.double().sqrt()[:, None]
-    centred, targets = root * (rows - mean), root * (hot - base)
-    gram = centred @ centred.T
-    gram.diagonal().add_(PENALTY)
-    scores = (queries - mean) @ (centred.T @ torch.linalg.solve(gram, targets)) + base
-    absent = hot.sum(0) == 0
-    shares: Tensor = (10 * scores).masked_fill(absent, -torch.inf).softmax(-1).float()
-    return shares
 
 
 def letters_of(shares: Array) -> str:

@@ -45,6 +45,7 @@ _WANTED = (
 )
 MANIFESTS = ("csv", "parquet")
 COLUMNS = ("domain", "material", *ROW_NAMES)
+ENCODED = ("encoder", "weights_hash", "preprocessing", "precision")
 DTYPES = ("float32", "float16")
 MOST_NAMES = 65_536  # domains or classes
 MOST_LAMPS = 400  # domains with lamps
@@ -148,10 +149,7 @@ def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[An
 def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
     return {
         "format": FORMAT,
-        "encoder": header.encoder,
-        "weights_hash": header.weights_hash,
-        "preprocessing": header.preprocessing,
-        "precision": header.precision,
+        **{name: getattr(header, name) for name in ENCODED},
         **({"text_hash": header.text_hash} if header.text_hash else {}),
         "domains": json.dumps(header.domains),
         "classes": json.dumps(header.classes),
