@@ -4,6 +4,7 @@ import codecs
 import csv
 import os
 import re
+import zipfile
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
@@ -22,6 +23,8 @@ is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 TABLES = (".csv", ".tsv", ".xlsx")
 TITLES = 10  # rows in which a table's header is looked for
 DELIMITERS = ",;\t|"
+# a formula without a value in a part of an .xlsx; a text (str) may be empty
+NEVER_COMPUTED = re.compile(rb'<c (?![^>]*t="str")[^>]*><f[^>]*>[^<]*</f>(<v ?/>|<v></v>)?</c>')
 WINDOWS = "cp1252"  # of tables that are not UTF-8: what spreadsheets in Western Europe write
 
 
@@ -158,7 +161,7 @@ def numbered_rows(file: Path) -> dict[int, list[str]]:
     Raises DataError for a file that cannot be read.
     """
     if file.suffix.lower() == ".xlsx":
-        rows = dict(enumerate(_sheet(file)[2], start=1))
+        _, _, rows = _sheet(file)
     else:
         text, _ = table_text(file)
         hint = text[:4].lower() == "sep="  # a line for spreadsheets alone
@@ -177,13 +180,14 @@ def numbered_rows(file: Path) -> dict[int, list[str]]:
     return {line: row for line, row in stripped.items() if any(row)}
 
 
-def _sheet(file: Path) -> tuple[str, str, list[list[str]]]:
-    """Return a sheet's name, that of the sheet that is shown, and the sheet's rows; each cell of
-    merged ones has their text.
+def _sheet(file: Path) -> tuple[str, str, dict[int, list[str]]]:
+    """Return a sheet's name, that of the sheet that is shown, and the sheet's rows by their lines;
+    each cell of merged ones has their text.
     """
     need("openpyxl", purpose="reading .xlsx; or save the table as CSV")
     ((found, _),) = read_sheet.read(file, "save it as CSV")
-    return found["name"], found["first"], found["rows"]
+    rows = dict(zip(found["lines"], found["rows"], strict=True))
+    return found["name"], found["first"], rows
 
 
 def sheet(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
@@ -191,14 +195,30 @@ def sheet(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
     openpyxl = need("openpyxl", purpose="reading .xlsx")
     book = openpyxl.load_workbook(file, data_only=True)
     shown = book.active
-    for one in [shown, *(one for one in book.worksheets if one is not shown), shown]:
-        cells = [["" if cell is None else str(cell) for cell in row] for row in one.values]
-        if any(is_file_name(cell) for row in cells for cell in row):
+    for chosen in [shown, *(other for other in book.worksheets if other is not shown), shown]:
+        # by cell: a sheet that is used up to its last row has a million empty ones
+        cells = {at: str(c.value) for at, c in chosen._cells.items() if c.value is not None}
+        if any(map(is_file_name, cells.values())):
             break
-    for merged in one.merged_cells.ranges:
-        for row, column in merged.cells:
-            cells[row - 1][column - 1] = cells[merged.min_row - 1][merged.min_col - 1]
-    return {"name": one.title, "first": shown.title, "rows": cells}, b""
+    with zipfile.ZipFile(file) as parts:
+        sheets = [name for name in parts.namelist() if name.startswith("xl/worksheets/")]
+        if any(NEVER_COMPUTED.search(parts.read(name)) for name in sheets):
+            formulas = openpyxl.load_workbook(file)[chosen.title]._cells
+            lines = [at[0] for at, c in formulas.items() if c.data_type == "f" and at not in cells]
+            if lines:
+                raise DataError(
+                    f"'{show(file)}' has a formula in line {min(lines)} that was never computed;"
+                    " open it in a spreadsheet and save it there."
+                )
+    for merged in chosen.merged_cells.ranges:
+        text = cells.get((merged.min_row, merged.min_col))
+        cells.update(dict.fromkeys(merged.cells, text) if text else {})
+    rows: dict[int, list[str]] = {}
+    for row, column in sorted(cells):
+        line = rows.setdefault(row, [])
+        line += [""] * (column - 1 - len(line)) + [cells[row, column]]
+    names = {"name": chosen.title, "first": shown.title}
+    return {**names, "lines": list(rows), "rows": list(rows.values())}, b""
 
 
 read_sheet = Limited(f"{__name__}:sheet", seconds=30)

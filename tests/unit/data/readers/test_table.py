@@ -87,6 +87,30 @@ def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):
     assert "sheet 'May'" in found.origin
 
 
+def test_a_sheet_that_is_used_to_its_last_cell_is_read_by_its_filled_ones(tmp_path, tree):
+    openpyxl = pytest.importorskip("openpyxl")
+    tree("v.png", "t.png")
+    book = openpyxl.Workbook()
+    book.active.append(["vis", "tac", "material"])
+    book.active.cell(1_048_576, 3).value = "steel"
+    book.active.cell(1_048_576, 2).value = "t.png"
+    book.active.cell(1_048_576, 1).value = "v.png"
+    book.active.cell(1_048_575, 16_384).number_format = "0.0"
+    book.save(tmp_path / "book.xlsx")
+    assert [pair.material for pair in read_pairs(tmp_path / "book.xlsx").pairs] == ["steel"]
+
+
+def test_a_formula_that_no_spreadsheet_has_computed_is_named(tmp_path, tree):
+    openpyxl = pytest.importorskip("openpyxl")
+    tree("v.png", "t.png")
+    book = openpyxl.Workbook()
+    for row in (["vis", "tac", "material"], ["v.png", "t.png", '=LOWER("Wood")']):
+        book.active.append(row)
+    book.save(tmp_path / "book.xlsx")
+    with pytest.raises(DataError, match="a formula in line 2 that was never computed; open it in"):
+        read_pairs(tmp_path / "book.xlsx")
+
+
 def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
     assert len(read_pairs(table(f"{HEADER}\r\nv.png,t.png,D,wood\r\n", "utf-8-sig")).pairs) == 1
 
