@@ -9,11 +9,11 @@ import logging
 import signal
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext, redirect_stdout, suppress
 from importlib import import_module
 from io import TextIOWrapper
 from threading import Timer
-from typing import Any
+from typing import Any, TextIO, cast
 
 from omnivat import __version__
 from omnivat.kit.devices import computing_on, named
@@ -73,6 +73,7 @@ FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
 COMMANDS: dict[str, Any] = {
     name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in SUMMARIES
 }
+ESCAPES = {k: f"\\x{k:02x}" for k in (*range(32), *range(127, 160)) if chr(k) not in "\n\t"}
 STOPS = (signal.SIGINT, signal.SIGTERM)
 PURPOSE = "See why a model trained on one tactile sensor fails on the next."
 
@@ -134,7 +135,8 @@ def main(
 
             require_writable(require_ending(options.figure))
         device = getattr(options, "device", "cpu")
-        with nullcontext() if device == named() == "cpu" else computing_on(device):
+        on = nullcontext() if device == named() == "cpu" else computing_on(device)
+        with on, redirect_stdout(cast(TextIO, _Escaped(sys.stdout))):
             commands[options.command].run(options)
         sys.stdout.flush()
     except OmniVatError as error:
@@ -166,6 +168,20 @@ def main(
             for number in STOPS:
                 signal.signal(number, signal.SIG_IGN)
     return 0
+
+
+class _Escaped:
+    """A stream that writes control characters as escapes: in a name they would steer a terminal."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+    def write(self, text: str) -> int:
+        """Write a text; its line ends and tabs stay."""
+        return self.stream.write(text.translate(ESCAPES))
 
 
 def _stop_cleanly() -> None:

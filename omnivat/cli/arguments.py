@@ -14,7 +14,7 @@ from omnivat.encoders.base import DEFAULT_ENCODER, JOINED
 from omnivat.head.heads import default_embeddings, default_head, head_named
 from omnivat.kit.config import field_names, parse_assignments, whole
 from omnivat.kit.devices import named
-from omnivat.kit.errors import SettingsError
+from omnivat.kit.errors import SettingsError, printable
 from omnivat.kit.progress import OnStep, Pace, Step
 from omnivat.kit.stages import IMAGES, checked_order
 from omnivat.kit.tables import suggestion
@@ -73,7 +73,7 @@ def progress_bar(title: str) -> Iterator[OnStep]:
         def show(step: Step) -> None:
             if step.total:
                 bar.total = step.total
-            bar.set_postfix_str(step.text, refresh=False)
+            bar.set_postfix_str(printable(step.text), refresh=False)
             bar.update(step.done - bar.n)
 
         yield show
@@ -100,7 +100,7 @@ class _Lines:
             if step.total
             else ""
         )
-        text = ", ".join(filter(None, [share or f"{step.done:,} done", left, step.text]))
+        text = ", ".join(filter(None, [share or f"{step.done:,} done", left, printable(step.text)]))
         print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 

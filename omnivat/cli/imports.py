@@ -24,7 +24,7 @@ from omnivat.cli.arguments import (
     several,
     text,
 )
-from omnivat.kit.errors import SettingsError, printable
+from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
@@ -102,10 +102,10 @@ def _vectors(options: argparse.Namespace) -> None:
     save_embeddings(options.out, imported, dtype=options.dtype)
     header = imported.header
     checked(pairs_of(imported), None)
-    domains, classes = (printable(", ".join(n)) for n in (header.domains, header.classes))
     print(
-        f"{len(imported)} pairs of width {imported.width} by {header.encoder}: domains {domains};"
-        f" materials {classes}; written to {options.out}"
+        f"{len(imported)} pairs of width {imported.width} by {header.encoder}: domains"
+        f" {', '.join(header.domains)}; materials {', '.join(header.classes)}; written to"
+        f" {options.out}"
     )
 
 

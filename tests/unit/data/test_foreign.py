@@ -336,7 +336,8 @@ def test_letters_that_steer_a_terminal_are_printed_as_escapes(tmp_path, capsys):
     np.savez(tmp_path / "a.npz", vis=np.eye(2), material=["\x1b[2Jwood", "steel\n"])
     words = ["--encoder", "x", "--domain", "\x1b]0;d", "--out", str(tmp_path / "a.safetensors")]
     assert main(["import", str(tmp_path / "a.npz"), *words]) == 0
-    assert "\x1b" not in capsys.readouterr().out
+    written = capsys.readouterr().out
+    assert "\x1b" not in written and "\\x1b[2Jwood" in written
 
 
 def test_numbered_columns_of_a_table_are_found_without_a_search_for_each(tmp_path, monkeypatch):
