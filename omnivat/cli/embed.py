@@ -104,7 +104,7 @@ def run(options: argparse.Namespace) -> None:
         print(f"{rested} of {len(pairs.pairs)} tactile images have a no-contact picture")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")
     how = passed(options, *names, "engine", "workers", "dots", "touch")
-    how |= {"flips": not options.no_flips, "lamps": lamps_in(options.lamps, pairs.domains())}
+    how |= {"flips": not options.no_flips, "lamps": lamps_in(options, pairs.domains())}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(pairs, encoder, options.out, **how, on_step=show)
     for line in touch_lines(report.header):
@@ -118,18 +118,23 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def lamps_in(options: Sequence[str], domains: Sequence[str]) -> "dict[str, Lamps] | None":
+def lamps_in(options: argparse.Namespace, domains: Sequence[str]) -> "dict[str, Lamps] | None":
     """Return domain -> lamps of profiles; None if each touch is drawn by itself.
 
-    Raises DataError for a profile without lamps.
+    Raises DataError for a profile without lamps, SettingsError for lamps of touch in its colours.
     """
     from omnivat.data.profile import domain_of
     from omnivat.data.profile_file import load_profile
 
-    if ALONE in options:
+    if options.lamps and options.touch == TOUCH[0]:
+        raise SettingsError(
+            "--lamps draw a relief, and touch is read in its colours; add --touch relief or both,"
+            " or leave --lamps out."
+        )
+    if ALONE in options.lamps:
         return None
     found = {}
-    for file in options:
+    for file in options.lamps:
         profile = load_profile(file)
         if profile.lamps is None:
             raise DataError(

@@ -213,7 +213,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     checked(pairs, options.look)
     encoder = encoder_name(options)
     how = passed(options, "weights", "tac_weights", "device", "download", "touch")
-    how |= {"lamps": lamps_in(options.lamps, pairs.domains())}
+    how |= {"lamps": lamps_in(options, pairs.domains())}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(pairs, encoder, out / SET, **how, on_step=show)
     notes = [f"Skipped {skip.what}: {skip.why}" for skip in report.skipped]

@@ -11,7 +11,7 @@ from omnivat.data.arrays import MOST, Column, column, read_arrays, write_arrays
 from omnivat.data.profile import Channels, Profile
 from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import path_of, replacing
+from omnivat.kit.files import path_of, replacing, require_regular
 from omnivat.kit.schema import LONGEST_NAME
 from omnivat.kit.stages import IMAGES
 
@@ -62,6 +62,7 @@ def load_profile(file: str | Path) -> Profile:
     'mine'
     """
     path = path_of(file)
+    require_regular(path)
     try:
         arrays, metadata = read_arrays(path)
         if metadata.get("format") != FORMAT:

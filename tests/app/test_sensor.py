@@ -73,7 +73,7 @@ def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_pa
 
 def test_a_profile_that_is_not_there_stops_the_start_in_one_sentence(capsys, tmp_path):
     assert main(["--profile", str(tmp_path / "no.safetensors"), "--no-browser"]) == 1
-    assert "is no profile" in capsys.readouterr().err
+    assert "cannot be read" in capsys.readouterr().err
 
 
 def sent(pictures):

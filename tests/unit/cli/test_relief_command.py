@@ -127,5 +127,7 @@ def test_lamps_of_a_profile_are_taken_for_its_domain(work, run):
     assert f"Touch is read as its relief, by {ALONE}." in alone.out
     assert load_embeddings(work / "alone.safetensors").header.lit_by == {}
     run("profile", few, "--out", work / "few.safetensors")
+    said = run("embed", few, "--out", work / "colours.safetensors", "--lamps", "alone", code=1)
+    assert "touch is read in its colours; add --touch relief" in said.err
     said = run(*base, "--lamps", work / "few.safetensors", code=1)
     assert "few.safetensors' holds no lamps; make it again from five touches or more" in said.err

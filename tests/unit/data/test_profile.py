@@ -153,6 +153,13 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
     assert ("(format 'omnivat-profile-9')" in str(caught.value)) is (spoilt == "format")
 
 
+def test_a_missing_profile_is_not_called_damaged(tmp_path):
+    with pytest.raises(DataError, match="cannot be read .No such file or directory.; check"):
+        load_profile(tmp_path / "none.safetensors")
+    with pytest.raises(DataError, match="is a folder, pipe or device; name a file"):
+        load_profile(tmp_path)
+
+
 def test_a_background_of_lamps_with_a_huge_header_or_damage_ends_in_one_sentence():
     lamps = Lamps(
         colours=np.eye(3, 2),
