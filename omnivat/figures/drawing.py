@@ -1,5 +1,6 @@
 """Pictures of simple shapes, as SVG or PNG, without a browser or a plotting library."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -9,6 +10,7 @@ from PIL import Image, ImageColor, ImageDraw, ImageFont
 
 Point = tuple[float, float]
 INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
+UNWRITABLE = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # in XML
 SCALE = 2  # pixels of a PNG for one unit
 FINE = 2  # a PNG is drawn this much larger and scaled down, for smooth edges
 
@@ -56,9 +58,13 @@ def svg(picture: Picture) -> str:
     view = f'viewBox="0 0 {picture.width:g} {picture.height:g}"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} {view} font-family="sans-serif"'
-        f' role="img"><title>{escape(picture.title)}</title><rect width="100%" height="100%"'
+        f' role="img"><title>{_xml(picture.title)}</title><rect width="100%" height="100%"'
         f' fill="#fff"/>\n{body}\n</svg>\n'
     )
+
+
+def _xml(words: str) -> str:
+    return escape(UNWRITABLE.sub("\ufffd", words))
 
 
 def _element(shape: Shape) -> str:
@@ -74,7 +80,7 @@ def _element(shape: Shape) -> str:
         return f'<rect x="{x:g}" y="{y:g}" width="{right - x:g}" height="{bottom - y:g}" {paint}/>'
     if shape.kind == "text":
         look = f'font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
-        return f'<text x="{x:g}" y="{y:g}" {look} {paint}>{escape(shape.text)}</text>'
+        return f'<text x="{x:g}" y="{y:g}" {look} {paint}>{_xml(shape.text)}</text>'
     points = " ".join(f"{a:.2f},{b:.2f}" for a, b in shape.points)
     if shape.kind == "area":
         return f'<polygon points="{points}" {paint}/>'

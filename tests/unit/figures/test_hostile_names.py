@@ -32,6 +32,13 @@ def test_a_name_is_text_in_every_export(figure, tmp_path):
     assert "onerror=alert" in drawn  # as text
 
 
+def test_a_name_with_what_xml_cannot_hold_leaves_the_svg_readable(tmp_path):
+    name = "a\x1bb\udcff\uffff\u200cc"
+    figure = lines({name: ([0, 1], [1.0, 2.0])}, title=name, across=name, up=name, caption=name)
+    drawn = ET.fromstring(write(tmp_path / "a.svg", figure).read_text(encoding="utf-8"))
+    assert "a\ufffdb\ufffd\ufffd\u200cc" in [one.text for one in drawn.iter()]
+
+
 def _texts(value, skipped=()):
     if isinstance(value, str):
         yield value
