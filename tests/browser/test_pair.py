@@ -64,6 +64,7 @@ def test_the_relief_of_a_touch_turns_is_saved_and_asks_for_more_of_own_touches(p
         assert saved.value.path().read_bytes().startswith(first)
     send(pair, "tac", 1)
     pair.wait_for_selector(".pair .relief .hint:has-text('4 more pictures of your sensor')")
+    assert not pair.locator(".pair .relief .js-plotly-plot").count()  # of the touch before
     pair.click(".pair .relief summary")
 
 

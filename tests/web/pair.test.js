@@ -103,6 +103,7 @@ test("familiarity is said in words and as a share of the training images", () =>
   const image = { words: "unlike the training images", guess: true, quantile: 0.01 };
   for (const [about, words] of [
     [image, /^Unlike the training photos: only 1 of 100 is more unusual\.$/],
+    [{ ...image, quantile: 0 }, /^Unlike the training photos: fewer than 1 of 100 are more unusual\.$/],
     [{ words: "familiar", quantile: 0.08 }, /^Similar to the training photos, but only just: 8 of 100 are/],
     [{}, /has no record/],
   ])

@@ -69,7 +69,7 @@ export class Relief extends View {
     this.shown = key;
     const why = lacking(tab);
     this.say(why || "Computing the lamps…");
-    draw(this.$(".surface"), html``);
+    this.$(".surface").replaceChildren(); // Plotly drew there, of which draw knows nothing
     draw(this.$(".row"), html``);
     if (why) return;
     await attempt(async () => {

@@ -217,7 +217,7 @@ export function sentence(modality, { words, guess, cosine = 0, quantile = 0 }, y
   const unusual = Math.round(100 * quantile);
   const count = unusual < 1 ? "fewer than 1" : unusual > 99 ? "more than 99" : unusual;
   const rest = `${count} of 100 ${count === 1 ? "is" : "are"} more unusual.`;
-  if (guess) return `Unlike the training ${many}: only ${rest}`;
+  if (guess) return `Unlike the training ${many}: ${unusual < 1 ? "" : "only "}${rest}`;
   return `Similar to the training ${many}${quantile < JUST ? ", but only just" : ""}: ${rest}`;
 }
 
