@@ -82,7 +82,7 @@ class TrainTab:
         with gr.Accordion("Advanced", open=False, elem_classes="advanced"):
             components["width"] = chosen([*WIDTHS], value=64, label="D, width")
             for name, (text, least, most, first) in NUMBERS.items():
-                label = f"{text} ({least:g} to {most:g})"
+                label = f"{text} ({least:g}\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}{most:g})"
                 components[name] = gr.Number(first, label=label, elem_id=f"train-{name}")
             components["lang"] = gr.Checkbox(label="LANG guides the training", elem_id="train-lang")
         return components

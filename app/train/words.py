@@ -143,4 +143,4 @@ def _newest(run: Run, name: str) -> Any:
 def _figure(name: str, value: float | None) -> str:
     if value is None:
         return "–"
-    return f"{value:.1%}" if name.startswith("accuracy") else f"{value:.2f}"
+    return f"{100 * value:.1f} %" if name.startswith("accuracy") else f"{value:.2f}"

@@ -106,10 +106,12 @@ def training_spec(
             at = {"xaxis": f"x{key}", "yaxis": f"y{key}"}
             data.append({**drawn, "x": xs, "y": ys, "line": line, "name": name, **at})
             top = max([top, *ys])
-            value = (f"{ys[-1]:.1%}" if share else f"{ys[-1]:.3f}") if ys else "–"
+            value = (f"{100 * ys[-1]:.1f} %" if share else f"{ys[-1]:.3f}") if ys else "–"
             text.append(f'<span style="color:{colour}">{name}</span> {value}')
         most = 1.0 if share or words == "p" else 1.08 * top or 1.0
-        form = {"tickformat": ".0%" if share else "", "exponentformat": "none"}
+        form: Spec = {"exponentformat": "e", "minexponent": 4}
+        if share:
+            form = {"tickvals": [0, 0.5, 1], "ticktext": ["0 %", "50 %", "100 %"]}
         ends = [1, max(2, total or len(epochs))]
         across = axis(range=ends, domain=[left, left + width], anchor=f"y{key}", nticks=4)
         named = {"tickprefix": "epoch ", "showtickprefix": "first"}

@@ -121,7 +121,9 @@ def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
     step = next(size * k for k in (1, 2, 5, 10) if size * k >= rough * 0.95)
     first = math.ceil(low / step - 1e-9)
     values = [k * step for k in range(first, first + 8) if k * step <= high + 1e-9 * step]
-    return [(v, f"{v:.0%}" if "%" in (axis.tickformat or "") else f"{v:.6g}") for v in values]
+    return [
+        (v, f"{100 * v:.0f} %" if "%" in (axis.tickformat or "") else f"{v:.6g}") for v in values
+    ]
 
 
 def _scatter(trace: Any, plane: Plane) -> Iterator[Shape]:

@@ -163,5 +163,5 @@ def test_the_curves_of_a_training_leave_out_what_is_not_measured_and_show_guessi
     assert {trace.name: trace.mode for trace in found.data}["unseen domains"] == "markers"
     assert found.layout.shapes[0].y0 == 0.2
     words = [note.text for note in found.layout.annotations]
-    assert words[1].startswith("<b>Accuracy</b>") and "30.0%" in words[1]
+    assert words[1].startswith("<b>Accuracy</b>") and "30.0 %" in words[1]
     assert "source test</span> –" in words[1]
