@@ -216,6 +216,15 @@ def test_what_is_lost_is_split_by_reading_and_by_look(visit, twins):
             assert ("another scene" in rows) == (reading != "touch")
 
 
+def test_open_panels_scroll_in_their_column_and_the_page_has_no_empty_end(visit):
+    page = visit("?chapter=fooled", ".explore .lookers .thumb")
+    for panel in ("grid", "confusion"):
+        if not page.locator(f"[data-panel={panel}][open]").count():
+            page.click(f"[data-panel={panel}] summary")
+    settle(page)
+    assert page.evaluate("document.documentElement.scrollHeight - innerHeight") <= 0
+
+
 def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(visit):
     page = visit("?chapter=order", ".explore .wave path")
     line, wave = ".explore .over .own", ".explore .wave path"

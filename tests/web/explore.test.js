@@ -149,7 +149,7 @@ test("neighbours are those of the pinned pair at this step and p, and of no othe
   assert.equal(scenes.near(scene, address), points);
   assert.deepEqual(scenes.near({ ...scene, stop: 2 }, address), []); // of another p
   assert.deepEqual(scenes.near(scene, { ...address, pin: 0 }), []);
-  says(neighboursHtml(points, scene), /title="VIS of pair 0, wood, A, cosine 0\.500"/);
+  says(neighboursHtml(points, scene), /title="photo of pair 0, wood, A, cosine 0\.500"/);
 });
 
 test("neighbours in frames of other heads than the loaded one are those of the raw embedding, and say so", () => {

@@ -1,6 +1,6 @@
 /** Pictures of points: the neighbours of the pinned pair, and the pairs that are selected, found, or fooled. */
 
-import { imitation, thumbnail, verdict } from "../shared/card.js";
+import { halvesOf, imitation, thumbnail, verdict } from "../shared/card.js";
 import { classOf, domainOf, orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
 import { sensorOf } from "../shared/tables.js";
@@ -66,7 +66,7 @@ function tile(pair) {
     ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
     : truth;
   return html`<button data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">
-    ${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}
+    ${halvesOf(frames).map((half, i) => thumbnail(sprite, pair + i * frames.pairs, SIDE, half))}</span><small>${words}
     ${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
 }
 
@@ -102,7 +102,7 @@ export function showNeighbours() {
 /** @param {Nearest["points"]} points @param {Pick<Scene, "frames" | "sprite">} scene */
 export const neighboursHtml = (points, { frames, sprite }) =>
   html`${points.map(({ point, cosine }) => {
-    const half = point < frames.pairs ? "VIS" : "TAC";
+    const half = halvesOf(frames)[Number(point >= frames.pairs)];
     const pair = point % frames.pairs;
     const where = `${classOf(frames, pair)}, ${sensorOf(domainOf(frames, pair))}`;
     const name = `${half} of pair ${pair}, ${where}, cosine ${cosine.toFixed(3)}`;

@@ -1,5 +1,6 @@
 /** The map of the open step. */
 
+import { halvesOf } from "../shared/card.js";
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
 import { layersOf } from "../shared/layers.js";
@@ -31,10 +32,12 @@ const isLit = (point) => lit(scene, point);
 /** Draw the lines of the pinned pair and of the pair under the pointer. @type {Painter} */
 export function pairLines(x, cloud) {
   const { pairs } = scene.frames;
+  const halves = halvesOf(scene.frames);
   const pair = scene.hovered % pairs;
   const places = (/** @type {number} */ pair) => [pair, pair + pairs].map((point) => cloud.place(point));
-  if (state.pin !== null) pairLine(x, cloud, places(state.pin), "#dc2626");
-  if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, places(pair), isDark() ? "#38bdf8" : "#1e293b");
+  if (state.pin !== null) pairLine(x, cloud, places(state.pin), "#dc2626", halves);
+  if (scene.hovered >= 0 && pair !== state.pin)
+    pairLine(x, cloud, places(pair), isDark() ? "#38bdf8" : "#1e293b", halves);
 }
 
 /** Make the map. @param {Pointing} on */

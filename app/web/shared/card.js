@@ -16,11 +16,14 @@ export function thumbnail(sprite, tile, side, words) {
     background-size:${columns * side}px ${Math.ceil(count / columns) * side}px"></span>`;
 }
 
+/** What the two halves of a pair are called. @param {{signals?: unknown}} frames */
+export const halvesOf = ({ signals }) => (signals ? ["one", "the other"] : ["photo", "touch"]);
+
 /** @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} side */
-export const thumbnailPair = ({ pairs }, sprite, pair, side) =>
-  html`<span class="thumbs">${["VIS", "TAC"].map(
+export const thumbnailPair = (frames, sprite, pair, side) =>
+  html`<span class="thumbs">${halvesOf(frames).map(
     (name, i) =>
-      html`<figure>${thumbnail(sprite, pair + i * pairs, side, name)}<figcaption>${name}</figcaption></figure>`,
+      html`<figure>${thumbnail(sprite, pair + i * frames.pairs, side, name)}<figcaption>${name}</figcaption></figure>`,
   )}</span>`;
 
 /** Return the prediction for a pair at one stop. @param {Frames} frames @param {number} pair @param {number} stop */
@@ -76,7 +79,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">
     ${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
   const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && " of raw embeddings"} to <span>
-    <button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4>
+    ${halvesOf(frames).map((name, i) => html`<button class="find" data-of="${i}">${name}</button> `)}</span></h4>
     <div class="found"></div></div>
     <div class="row">${!headless && html`<button class="open">Open in Try a pair ›</button>`}
       <button class="unpin">Unpin</button></div>`;

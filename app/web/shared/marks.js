@@ -89,25 +89,24 @@ const ring = (context, place, radius, colour, width = 2.5) =>
   stroked(context, () => context.arc(...place, radius, 0, 7), [width + 2.5, "#fff"], [width, colour]);
 
 /** Draw a pair: the places of its photo and touch, named, and the line between them; of one image, its place.
- * @param {Context} context @param {Cloud} cloud @param {(Point | undefined)[]} places @param {string} colour */
-export function pairLine(context, cloud, [vis, tac], colour) {
+ * @param {Context} context @param {Cloud} cloud @param {(Point | undefined)[]} places @param {string} colour
+ * @param {string[]} names of photo and touch */
+export function pairLine(context, cloud, places, colour, names) {
+  const [vis, tac] = places;
   if (vis && tac) stroked(context, () => segment(context, vis, tac), [5, "#fff"], [2.2, colour]);
   context.font = `700 11px ${ink(cloud.box, "--ov-font")}`;
   context.textAlign = "center";
   context.fillStyle = colour;
   const high = Math.min(...[vis, tac].flatMap((place) => place?.[1] ?? []));
-  for (const [place, text] of /** @type {const} */ ([
-    [vis, "VIS"],
-    [tac, "TAC"],
-  ])) {
+  for (const [k, place] of places.entries()) {
     if (!place) continue;
     const [x, y] = place;
     const at = y + (y === high ? -14 : 22);
     ring(context, place, 8, colour);
     context.lineWidth = 4;
     context.strokeStyle = "#fff";
-    context.strokeText(text, x, at);
-    context.fillText(text, x, at);
+    context.strokeText(names[k], x, at);
+    context.fillText(names[k], x, at);
   }
 }
 
