@@ -28,6 +28,7 @@ SERVER = {"name": "omnivat", "version": __version__}
 KEPT = {"ttlMs": 60_000, "cacheScope": "public"}  # how long a client may keep a list
 LISTED = ("name", "description", "inputSchema", "outputSchema", "annotations")  # of a tool
 PARSE, REQUEST, METHOD, PARAMS, UNSUPPORTED = -32700, -32600, -32601, -32602, -32022
+WHOLE = 'A request has "jsonrpc": "2.0", an id and a method.'
 USE = "Start with about: it names the classes, domains, examples and sets."
 
 
@@ -48,13 +49,14 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
             message.update(question_from(body))
         except DataError as error:
             raise RpcError(str(error), PARSE) from error
+        if message.get("jsonrpc") != "2.0":
+            raise RpcError(WHOLE, REQUEST)
         require_version(message)
         if message.get("method") != "tools/call" or "id" not in message:
             return None
         params = message.get("params")
-        name, given = (
-            (params.get("name"), params.get("arguments") or {}) if _is(params) else ("", {})
-        )
+        name, given = (params.get("name"), params.get("arguments")) if _is(params) else ("", None)
+        given = {} if given is None else given
         if not isinstance(name, str) or name not in TOOLS:
             raise RpcError(f"There is no such tool; there are {', '.join(TOOLS)}.", PARAMS)
         if not _is(given):
@@ -109,8 +111,8 @@ def replied(message: Question) -> Reply:
     if method == "tools/list":
         rows = ((name, *tool, {"readOnlyHint": True}) for name, tool in TOOLS.items())
         return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows], **KEPT}
-    if not isinstance(method, str) or message.get("jsonrpc") != "2.0":
-        raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
+    if not isinstance(method, str):
+        raise RpcError(WHOLE, REQUEST)
     raise RpcError(
         f"The method '{method:.40}' is unknown; there are server/discover, tools/list and"
         " tools/call.",

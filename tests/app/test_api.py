@@ -183,7 +183,8 @@ def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
     [
         ({**JSON_RPC, "method": "prompts/list"}, 200, -32601),
         ({**CALL, "params": {"name": "shell"}}, 200, -32602),
-        ({**CALL, "params": {"name": "about", "arguments": [1]}}, 200, -32602),
+        ({**CALL, "params": {"name": "about", "arguments": []}}, 200, -32602),
+        ({**JSON_RPC, "jsonrpc": "1.0", "method": "ping"}, 400, -32600),
         ({**JSON_RPC, "method": 3}, 400, -32600),
         ({"id": 1, "method": "x"}, 400, -32600),
         ([], 400, -32700),
