@@ -199,7 +199,7 @@ def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
         "/omnivat/mcp": only("POST", mcp),
         "/omnivat/api/{rest:path}": partial(missing, UNKNOWN),
     }
-    methods = ["GET", "POST", "PUT", "PATCH", "DELETE"]
+    methods = ["GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"]
     return [
         Route(path, in_sentences(handler if opened else partial(missing, CLOSED)), methods=methods)
         for path, handler in handlers.items()

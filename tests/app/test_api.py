@@ -130,6 +130,7 @@ def test_a_broken_picture_another_address_and_another_method_are_refused(client,
         wrong = client.put(f"/omnivat/{name}")
         sentence(wrong, 405)
         assert wrong.headers["allow"] == method
+        sentence(client.options(f"/omnivat/{name}"), 405)
 
 
 def call(client, method, params=None, **more):
