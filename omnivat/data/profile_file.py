@@ -9,7 +9,7 @@ from safetensors import SafetensorError
 from omnivat.data.arranged import known_way
 from omnivat.data.arrays import MOST, Column, column, read_arrays, write_arrays
 from omnivat.data.profile import Channels, Profile
-from omnivat.data.relief.files import packed, unpacked
+from omnivat.data.relief.files import MOST_PICTURES, packed, unpacked
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import path_of, replacing, require_regular
 from omnivat.kit.schema import LONGEST_NAME
@@ -17,7 +17,6 @@ from omnivat.kit.stages import IMAGES
 
 FORMAT = "omnivat-profile-1"
 KEY = ("encoder", "weights_hash", "preprocessing")
-MOST_PICTURES = 10**12  # above any that a file can count
 
 
 def save_profile(file: str | Path, profile: Profile) -> None:

@@ -26,6 +26,7 @@ READ = {  # how touch is read, the first by default, in words
 TOUCH = tuple(READ)
 MOST = 50  # pictures of a domain that give its lamps
 MOST_PIXELS = 250_000  # of a background, above any that `lamps` makes
+MOST_PICTURES = 10**12  # above any that a file can count
 NUMBERS = ("ratio", "confidence", "pictures", "steepness")
 T = TypeVar("T")
 
@@ -95,6 +96,12 @@ def unpacked(text: str) -> Lamps:
         raise
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"The lamps cannot be read ({error!s:.80}); make them again.") from error
+    shares = -0.01 <= found.ratio <= 1.01 and -0.01 <= found.confidence <= 1.01  # false of NaN
+    if not (shares and 0 < found.pictures < MOST_PICTURES):
+        raise DataError(
+            f"The lamps' ratio {found.ratio:g} and confidence {found.confidence:g} are to be shares"
+            f" from 0 to 1, and their pictures 1 to {MOST_PICTURES:.0e}; make them again."
+        )
     return found
 
 

@@ -160,6 +160,17 @@ def test_a_missing_profile_is_not_called_damaged(tmp_path):
         load_profile(tmp_path)
 
 
+@pytest.mark.parametrize(
+    "odd", [{"pictures": 1e308}, {"pictures": 0}, {"ratio": float("nan")}, {"confidence": -1}]
+)
+def test_lamps_of_no_share_or_count_are_refused_before_a_set_that_nothing_reads_holds_them(odd):
+    numbers = {"ratio": 0.1, "confidence": 0.9, "pictures": 5}
+    text = json.loads(packed(Lamps(colours=np.eye(3, 2), background=None, **numbers)))
+    assert unpacked(json.dumps(text)).pictures == 5
+    with pytest.raises(DataError, match="from 0 to 1, and their pictures 1 to 1e"):
+        unpacked(json.dumps(text | odd))
+
+
 def test_a_background_of_lamps_with_a_huge_header_or_damage_ends_in_one_sentence():
     lamps = Lamps(
         colours=np.eye(3, 2),
