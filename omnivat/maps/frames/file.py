@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.files import path_of, reading, replacing
 from omnivat.maps.frames.records import FrameSet, MapFrames, require_fit
 
@@ -101,8 +101,8 @@ def read_frames(path: str | Path) -> FrameSet:
         if isinstance(error, DataError):
             raise
         raise DataError(
-            f"'{file}' cannot be read as frames ({error!r}). Build it again with `python -m omnivat"
-            " sweep`."
+            f"'{file}' cannot be read as frames ({first_line(error)}). Build it again with"
+            " `python -m omnivat sweep`."
         ) from error
     return frames
 

@@ -74,7 +74,7 @@ def test_a_file_that_is_cut_short_is_refused(written, kept):
         (lambda r: r["arrays"]["label"].update(offset=10**9), "array 'label' does not fit"),
         (lambda r: r["arrays"]["confidence"].update(shape=[5, 23]), "confidence has shape (5, 23)"),
         (lambda r: r["arrays"].pop("domain"), "cannot be read"),
-        (lambda r: r.update(pairs=7), "7 pairs stated, 24 found"),
+        (lambda r: r.update(pairs=7), "frames (7 pairs stated, 24 found)."),
         (lambda r: r.update(classes=["wood"]), "has no name"),
         (lambda r: r["curves"].update({"margin/raw": [1.0]}), "curve margin/raw has 1 values"),
         (lambda r: r["maps"]["pca/f_hat"].update(orders=[0, 1]), "map pca/f_hat has shape"),
