@@ -27,6 +27,13 @@ STYLES = (
     "shared/narrow",
 )  # in this order: later ones override
 EXPLORE, FIRST = "explore/explore.js", "explore/first.js"
+# Gradio's sign of loading counts its seconds in every frame for ever, also when it is not shown,
+# and takes the browser's function when it is loaded: it gets no frames.
+STILL = """<script>{
+  const frame = window.requestAnimationFrame;
+  window.requestAnimationFrame = (draw) =>
+    new Error().stack?.includes("/statustracker-") ? 0 : frame(draw);
+}</script>"""
 IMPORTED = re.compile(r'(?:from|import) "(\.[^"]+)"')
 
 
@@ -78,7 +85,7 @@ def first(titles: Sequence[str]) -> str:
     """
     tabs = "".join(f"<span>{escape(title)}</span>" for title in titles)
     parts = f'{html_of("header")}<div class="early" aria-hidden="true">{tabs}</div>'
-    script = f'<script type="module" async src="omnivat/web/{FIRST}"></script>'
+    script = f'{STILL}<script type="module" async src="omnivat/web/{FIRST}"></script>'
     return f'<div id="omnivat-first">{parts}{html_of("explore")}</div>{script}'
 
 

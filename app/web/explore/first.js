@@ -21,12 +21,6 @@ const watcher = new MutationObserver(themed); // Gradio sets its own when it sta
 watcher.observe(document.body, { attributeFilter: ["class"] });
 explore.hidden = state.view !== "explore";
 
-// Gradio's sign of loading counts its seconds in every frame, also when it is gone: then it gets no more frames
-const frame = window.requestAnimationFrame;
-let looks = 0; // how many of the next frames are looked at
-window.requestAnimationFrame = (draw) =>
-  looks-- > 0 && new Error().stack?.includes("/statustracker-") ? 0 : frame(draw);
-
 /** @type {() => void} */
 let moved = () => {};
 awaited(new Promise((done) => (moved = () => done(null))));
@@ -64,6 +58,5 @@ function move() {
   shell.remove();
   watcher.disconnect();
   nameDocument();
-  looks = 300;
   moved();
 }
