@@ -23,6 +23,7 @@ from omnivat.study.baselines import linear_maps as maps_method
 from omnivat.study.baselines.contract import Source, seeded
 from omnivat.study.baselines.descent import size
 from omnivat.study.baselines.erm_mlp import Perceptron
+from omnivat.study.comparison.ridge import ridge as regression
 from omnivat.training import TrainingPlan, TrainSettings, plan_training, train
 from omnivat.training.batches import batches, labels_of
 
@@ -307,13 +308,8 @@ def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, queries: 
     """
     rows, queries = (normalize(x.double(), dim=-1) for x in (rows, queries))
     hot = one_hot(labels, classes).double()
-    mean = (weights[:, None] * rows).sum(0) / weights.sum()
-    base = (weights[:, None] * hot).sum(0) / weights.sum()
-    root = weights.double().sqrt()[:, None]
-    centred, targets = root * (rows - mean), root * (hot - base)
-    gram = centred @ centred.T
-    gram.diagonal().add_(PENALTY)
-    scores = (queries - mean) @ (centred.T @ torch.linalg.solve(gram, targets)) + base
+    learned = regression(rows.numpy(), hot.numpy(), PENALTY, weights.double().numpy())
+    scores = torch.from_numpy(learned(queries.numpy()))
     absent = hot.sum(0) == 0
     shares: Tensor = (10 * scores).masked_fill(absent, -torch.inf).softmax(-1).float()
     return shares

@@ -167,7 +167,7 @@ def _text(place: Path) -> Columns:
         places[title].append(at)
 
     def read(name: str) -> NDArray[Any]:
-        require_one(place, [name] * len(places[name]), name)
+        require_one(place, len(places[name]), name)
         return np.array([row[places[name][0]] for row in cells])
 
     return Columns(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float32]
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
+KEY = ("encoder", "weights_hash", "preprocessing")  # fields of `Header.key`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -113,9 +113,9 @@ def received(about: Mapping[str, Any], content: bytes) -> NDArray[Any]:
     return np.frombuffer(content, about["dtype"]).reshape(about["shape"])
 
 
-def require_one(place: Path, names: Sequence[str], name: str) -> None:
-    """Raise DataError if several columns of a file have a name."""
-    if (count := names.count(name)) > 1:
+def require_one(place: Path, count: int, name: str) -> None:
+    """Raise DataError if several columns of a file have a name; `count` do."""
+    if count > 1:
         raise DataError(f"'{place}' has {count} columns called {name}; rename or leave out some.")
 
 

@@ -26,14 +26,14 @@ def parquet_columns(place: Path) -> Columns:
     names, _ = _read(place, "names")
 
     def column(name: str) -> NDArray[Any]:
-        require_one(place, names, name)
+        require_one(place, names.count(name), name)
         return received(*_read(place, "column", name=name))
 
     def pictures(name: str) -> Pictures | None:
         about, _ = _read(place, "pictures", name=name)
         if not about:
             return None
-        require_one(place, names, name)
+        require_one(place, names.count(name), name)
         listed = about.pop("listed")
 
         def one(k: int, t: int) -> "Image.Image":

@@ -8,6 +8,7 @@ from safetensors import SafetensorError
 
 from omnivat.data.arranged import known_way
 from omnivat.data.arrays import MOST, Column, column, read_arrays, write_arrays
+from omnivat.data.embeddings import KEY
 from omnivat.data.profile import Channels, Profile
 from omnivat.data.relief.files import MOST_PICTURES, packed, unpacked
 from omnivat.kit.errors import DataError
@@ -16,7 +17,6 @@ from omnivat.kit.schema import LONGEST_NAME
 from omnivat.kit.stages import IMAGES
 
 FORMAT = "omnivat-profile-1"
-KEY = ("encoder", "weights_hash", "preprocessing")
 
 
 def save_profile(file: str | Path, profile: Profile) -> None:

@@ -27,7 +27,7 @@ from omnivat.data.arrays import (
     write_arrays,
 )
 from omnivat.data.domains import require_domain_names
-from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
+from omnivat.data.embeddings import KEY, VECTORS, Array, Embeddings, Header
 from omnivat.data.pairs import TEXTS
 from omnivat.data.relief import Lamps
 from omnivat.data.relief.files import packed, unpacked
@@ -45,7 +45,6 @@ _WANTED = (
 )
 MANIFESTS = ("csv", "parquet")
 COLUMNS = ("domain", "material", *ROW_NAMES)
-ENCODED = ("encoder", "weights_hash", "preprocessing", "precision")
 DTYPES = ("float32", "float16")
 MOST_NAMES = 65_536  # domains or classes
 MOST_LAMPS = 400  # domains with lamps
@@ -149,7 +148,8 @@ def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[An
 def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
     return {
         "format": FORMAT,
-        **{name: getattr(header, name) for name in ENCODED},
+        **dict(zip(KEY, header.key, strict=True)),
+        "precision": header.precision,
         **({"text_hash": header.text_hash} if header.text_hash else {}),
         "domains": json.dumps(header.domains),
         "classes": json.dumps(header.classes),

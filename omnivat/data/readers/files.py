@@ -200,16 +200,14 @@ def sheet(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
         cells = {at: str(c.value) for at, c in chosen._cells.items() if c.value is not None}
         if any(map(is_file_name, cells.values())):
             break
-    with zipfile.ZipFile(file) as parts:
-        sheets = [name for name in parts.namelist() if name.startswith("xl/worksheets/")]
-        if any(NEVER_COMPUTED.search(parts.read(name)) for name in sheets):
-            formulas = openpyxl.load_workbook(file)[chosen.title]._cells
-            lines = [at[0] for at, c in formulas.items() if c.data_type == "f" and at not in cells]
-            if lines:
-                raise DataError(
-                    f"'{show(file)}' has a formula in line {min(lines)} that was never computed;"
-                    " open it in a spreadsheet and save it there."
-                )
+    if _lacks_values(file):
+        formulas = openpyxl.load_workbook(file)[chosen.title]._cells
+        lines = [at[0] for at, c in formulas.items() if c.data_type == "f" and at not in cells]
+        if lines:
+            raise DataError(
+                f"'{show(file)}' has a formula in line {min(lines)} that was never computed; open"
+                " it in a spreadsheet and save it there."
+            )
     for merged in chosen.merged_cells.ranges:
         text = cells.get((merged.min_row, merged.min_col))
         cells.update(dict.fromkeys(merged.cells, text) if text else {})
@@ -219,6 +217,13 @@ def sheet(_: bytes, *, file: str) -> tuple[dict[str, Any], bytes]:
         line += [""] * (column - 1 - len(line)) + [cells[row, column]]
     names = {"name": chosen.title, "first": shown.title}
     return {**names, "lines": list(rows), "rows": list(rows.values())}, b""
+
+
+def _lacks_values(file: str) -> bool:
+    """True if any sheet of an .xlsx has a formula without a value."""
+    with zipfile.ZipFile(file) as parts:
+        sheets = [name for name in parts.namelist() if name.startswith("xl/worksheets/")]
+        return any(NEVER_COMPUTED.search(parts.read(name)) for name in sheets)
 
 
 read_sheet = Limited(f"{__name__}:sheet", seconds=30)

@@ -31,10 +31,9 @@ from omnivat.encoders.cache import EmbeddingCache, embed_views
 from omnivat.encoders.hub import images_key, remember
 from omnivat.encoders.wrapping import takes_of
 from omnivat.kit.errors import DataError, WriteError
-from omnivat.kit.files import locked, replacing, writing
+from omnivat.kit.files import IN_USE, locked, replacing, writing
 from omnivat.kit.stages import IMAGES
 
-IN_USE = "in-use"
 CHUNK = 128  # pairs in one part file, the most that an interruption loses
 
 

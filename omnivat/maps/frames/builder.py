@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from omnivat.data.embeddings import KEY
 from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT
 from omnivat.head.predict_set import label_map
@@ -36,7 +37,7 @@ from omnivat.measure.shares import counted, mean_over_domains
 METHODS = ("pca", "umap")
 MOST_NAMES = 256  # an index is one byte
 # of a set, in its frames
-ENCODED = ("encoder", "weights_hash", "preprocessing", "simulated", "origin")
+ENCODED = (*KEY, "simulated", "origin")
 
 
 @dataclass(slots=True, eq=False)
